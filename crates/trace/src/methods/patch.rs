@@ -19,8 +19,8 @@ use crate::options::TraceOptions;
 use crate::painted::ones;
 use crate::ray_result::RayResult;
 use fearless_simd::Level;
-use meeting::{Beam, BeamLanes, CellLanes, CellShape, First, Firsts, main_axis, with_cell};
-use search::{Goal, Place, Search};
+use meeting::{Beam, BeamLanes, CellLanes, CellShape, First, Firsts, Meetings, axes, main_axis};
+use search::{Goal, Place, SHADOW_LENGTH, Search};
 use zeroset_eval::{KernelError, LANES, Patches, dispatch};
 use zeroset_space::{PatchNode, PatchTree, Region};
 
@@ -46,15 +46,27 @@ pub fn patch_tracer<'a>(
     region: &'a Region,
     options: TraceOptions,
 ) -> Box<dyn Tracer + 'a> {
-    Box::new(PatchTracer { tree, region, options, level: Level::new() })
+    let holds = |[x, y, z]: [[f64; 2]; 3]| {
+        let (low, high) = (region.low(), region.high());
+        let is_within =
+            |axis: usize, [least, most]: [f64; 2]| low[axis] <= least && most <= high[axis];
+        is_within(0, x) && is_within(1, y) && is_within(2, z)
+    };
+    let is_inside = !region.is_cut() && tree.bounds(BOX_DEPTH).is_some_and(holds);
+    Box::new(PatchTracer { tree, region, is_inside, options, level: Level::new() })
 }
 
 struct PatchTracer<'a> {
     tree: &'a PatchTree,
     region: &'a Region,
+    /// Whether the region is proven to hold all of the surface.
+    is_inside: bool,
     options: TraceOptions,
     level: Level,
 }
+
+/// Number of levels of cells from whose bounds it is seen whether a region holds the surface.
+const BOX_DEPTH: u32 = 1;
 
 /// Cells are divided for a square of rays until their error is this share of the longest bracket.
 const ERROR: f64 = 0.15;
@@ -63,12 +75,14 @@ const GROUP_DEPTH: u32 = 5;
 /// Beyond this number of cells for a square of rays, none is divided further.
 const GROUP_CELLS: usize = 256;
 
-/// A ray in the region.
-struct Line<'s> {
-    /// Its number among the rays that are followed.
-    place: usize,
-    beam: Beam,
-    goal: Goal<'s>,
+/// Up to [`LANES`] of the rays to follow.
+struct Group {
+    /// The number of the first ray, and how many there are.
+    first: usize,
+    count: usize,
+    rays: BeamLanes,
+    /// A beam around the rays. `None` if they do not go together.
+    beam: Option<Beam>,
 }
 
 /// A cell that some rays may meet.
@@ -97,31 +111,33 @@ impl Tracer for PatchTracer<'_> {
         found: &mut [RayResult],
         work: &mut KernelStats,
     ) {
-        let Some(first) = rays.first() else { return };
-        let main = main_axis(first.ray.direction);
-        let mut lines = Vec::with_capacity(rays.len());
-        for (place, segment) in rays.iter().enumerate() {
-            let Some(within) = segment.within(self.region) else {
-                found[place] = RayResult::MISS;
-                continue;
-            };
-            let direction = segment.ray.direction;
-            let own = main_axis(direction);
-            let is_alike = 2.0 * direction[main].abs() >= direction[own].abs();
-            let beam = Beam::along(&segment.ray, if is_alike { main } else { own });
-            let goal = Goal::new(segment, within, self.region, start, &self.options, self.level);
-            lines.push(Line { place, beam, goal });
+        let Some(segment) = rays.first() else { return };
+        let axes = axes(main_axis(segment.ray.direction));
+        let mut groups: Vec<Group> = Vec::with_capacity(rays.len().div_ceil(LANES));
+        let mut whole = None;
+        for (number, segments) in rays.chunks(LANES).enumerate() {
+            let (rays, beam) = self.beam(segments, axes);
+            whole = if number == 0 { beam } else { whole.zip(beam).and_then(Beam::of_both) };
+            groups.push(Group { first: LANES * number, count: segments.len(), rays, beam });
         }
-        let cells = self.cells(&lines);
+        let error = ERROR * self.longest(segment);
+        let cells = whole.map(|beam| self.cells(&beam, error));
         let mut near = Vec::new();
-        for lines in lines.chunks(LANES) {
+        for group in &groups {
+            let numbers = group.first..group.first + group.count;
+            let (segments, found) = (&rays[numbers.clone()], &mut found[numbers]);
             // Rays of a square that go apart may go together in a group.
-            let own = if cells.is_none() { self.cells(lines) } else { None };
+            let own = match (&cells, &group.beam) {
+                (None, Some(beam)) => Some(self.cells(beam, error)),
+                _ => None,
+            };
             match cells.as_ref().or(own.as_ref()) {
-                Some(cells) => self.follow_group(lines, cells, &mut near, found, work),
+                Some(cells) => {
+                    self.follow_group(group, (segments, start), cells, &mut near, found, work);
+                }
                 None => {
-                    for line in lines {
-                        found[line.place] = self.follow_alone(line, work);
+                    for (segment, found) in segments.iter().zip(found) {
+                        *found = self.follow_alone(segment, start, work);
                     }
                 }
             }
@@ -130,72 +146,126 @@ impl Tracer for PatchTracer<'_> {
 }
 
 impl<'a> PatchTracer<'a> {
-    /// Follows one ray through all cells.
-    fn follow_alone(
-        &self,
-        Line { beam, goal, .. }: &Line<'_>,
-        work: &mut KernelStats,
-    ) -> RayResult {
-        let mut candidates = Vec::new();
-        goal.add((beam, self.tree), (self.tree.root(), 0), &mut candidates);
-        Search { tree: self.tree, beam, goal }.run(&mut candidates, work)
+    /// The rays of at most [`LANES`] segments in lanes, and a beam around them. `None` if some ray
+    /// advances too slowly along the axis k, or they spread too far.
+    fn beam(&self, segments: &[Segment], axes: [usize; 3]) -> (BeamLanes, Option<Beam>) {
+        let rays = BeamLanes::new(segments, axes);
+        let beam = dispatch!(self.level, simd => rays.beam(simd));
+        (rays, beam)
     }
 
-    /// Follows at most [`LANES`] rays with the same axis k through `cells`, which hold all points
-    /// that they meet. Uses `near` as memory.
+    /// Greatest length of a bracket in world units, for a ray like this where it passes the region's
+    /// middle.
+    fn longest(&self, segment: &Segment) -> f64 {
+        let Segment { ray, pixel: [first, growth], .. } = segment;
+        let extent = self.region.half_extent();
+        if !first.is_finite() {
+            return SHADOW_LENGTH * extent;
+        }
+        let away = ray.origin.distance(self.region.centre()).max(extent);
+        ray.distance(self.options.longest() * (first + growth * ray.parameter(away)))
+    }
+
+    /// The goal of a segment. `None` if it is outside of the region.
+    fn goal<'s>(&'s self, segment: &'s Segment, start: Start) -> Option<Goal<'s>> {
+        // Where the region holds all of the surface, only the segment's ends matter.
+        let (within, region) = if self.is_inside && segment.pixel[0].is_finite() {
+            ([0.0, segment.to], None)
+        } else {
+            (segment.within(self.region)?, Some(self.region))
+        };
+        Some(Goal::new(segment, within, region, start, &self.options, self.level))
+    }
+
+    /// Follows one ray through all cells.
+    fn follow_alone(&self, segment: &Segment, start: Start, work: &mut KernelStats) -> RayResult {
+        let Some(goal) = self.goal(segment, start) else { return RayResult::MISS };
+        let beam = Beam::along(&segment.ray, axes(main_axis(segment.ray.direction)));
+        let mut candidates = Vec::new();
+        goal.add((&beam, self.tree), (self.tree.root(), 0), &mut candidates);
+        Search { tree: self.tree, beam: &beam, goal: &goal }.run(&mut candidates, work)
+    }
+
+    /// Follows a group's rays through `cells`, which hold all points that they meet. Uses `near` as
+    /// memory.
     fn follow_group(
         &self,
-        lines: &[Line<'_>],
+        group: &Group,
+        (segments, start): (&[Segment], Start),
         cells: &FoundCells<'a>,
         near: &mut Vec<(f64, usize)>,
         found: &mut [RayResult],
         work: &mut KernelStats,
     ) {
-        let group = Beam::around(lines.iter().map(|line| &line.beam));
-        near.clear();
-        match &group {
-            Some(group) => {
-                for (batch, shapes) in cells.shapes.iter().enumerate() {
-                    let first = LANES * batch;
-                    let (possible, from) =
-                        dispatch!(self.level, simd => group.meets(simd, &shapes.view()));
-                    let count = cells.cells.len() - first;
-                    let new = ones(possible).take_while(|lane| *lane < count);
-                    near.extend(new.map(|lane| (from[lane], first + lane)));
-                }
-                near.sort_unstable_by(|(one, _), (other, _)| one.total_cmp(other));
-            }
-            None => near.extend((0..cells.cells.len()).map(|cell| (f64::NEG_INFINITY, cell))),
+        self.nearest(group, cells, near);
+        if near.is_empty() {
+            found.fill(RayResult::MISS);
+            return;
         }
-        let rays = BeamLanes::new(lines.iter().map(|line| &line.beam));
-        let mut firsts = Firsts::new(lines.iter().map(|line| line.goal.within));
+        let mut firsts = Firsts::default();
+        for (lane, segment) in segments.iter().enumerate() {
+            if let Some(goal) = self.goal(segment, start) {
+                firsts.add(lane, goal.within, goal.longest);
+            }
+        }
         for &(from, cell) in near.iter() {
-            // The cells that are left begin behind the first meetings of all rays.
-            if from >= firsts.farthest() {
+            if from >= firsts.end() {
                 break;
             }
             let Found { node, lane, is_whole, .. } = cells.cells[cell];
             let cell = (&node.cells, lane);
-            dispatch!(self.level, simd => firsts.meet(simd, &rays, cell, is_whole));
+            dispatch!(self.level, simd => firsts.meet(simd, &group.rays, cell, is_whole));
         }
         let mut candidates = Vec::new();
-        for (lane, Line { place, beam, goal }) in lines.iter().enumerate() {
-            found[*place] = match firsts.of(lane) {
-                First::Nothing => RayResult::MISS,
+        for (lane, (segment, found)) in segments.iter().zip(found).enumerate() {
+            let first = firsts.of(lane);
+            *found = RayResult::MISS;
+            if matches!(first, First::Nothing) {
+                continue;
+            }
+            let Some(goal) = self.goal(segment, start) else { continue };
+            *found = match first {
                 First::Proven { t, parameters } if let Some(hit) = goal.hit(t, parameters) => hit,
-                First::Proven { .. } | First::Unknown => {
+                _ => {
+                    let beam = Beam::along(&segment.ray, group.rays.axes);
                     candidates.clear();
-                    for (_, cell) in near.iter() {
-                        let Found { node, lane, depth, .. } = cells.cells[*cell];
-                        let meeting = with_cell(beam, &node.cells, lane);
-                        let place = Place::InTree { node, lane, depth };
-                        let new = goal.candidate(self.tree, &meeting, &node.cells, place, lane);
-                        candidates.extend(new);
+                    for (shapes, cells) in cells.shapes.iter().zip(cells.cells.chunks(LANES)) {
+                        let meetings = dispatch!(self.level, simd => Meetings::with_cells(simd, &beam, &shapes.view()));
+                        for place in
+                            ones(meetings.possible()).take_while(|place| *place < cells.len())
+                        {
+                            let Found { node, lane, depth, .. } = cells[place];
+                            let meeting = meetings.lane(place);
+                            let place = Place::InTree { node, lane, depth };
+                            let new = goal.candidate(self.tree, &meeting, &node.cells, place, lane);
+                            candidates.extend(new);
+                        }
                     }
-                    Search { tree: self.tree, beam, goal }.run(&mut candidates, work)
+                    Search { tree: self.tree, beam: &beam, goal: &goal }.run(&mut candidates, work)
                 }
             };
         }
+    }
+
+    /// Writes to `near` the cells that a group's rays may meet, and the lowest t at which they do,
+    /// in the order of these t.
+    fn nearest(&self, group: &Group, cells: &FoundCells<'a>, near: &mut Vec<(f64, usize)>) {
+        near.clear();
+        let Some(beam) = &group.beam else {
+            near.extend((0..cells.cells.len()).map(|cell| (f64::NEG_INFINITY, cell)));
+            return;
+        };
+        for (batch, shapes) in cells.shapes.iter().enumerate() {
+            let first = LANES * batch;
+            let (possible, from) = dispatch!(self.level, simd => beam.meets(simd, &shapes.view()));
+            let count = cells.cells.len() - first;
+            for lane in ones(possible) {
+                if lane < count {
+                    near.push((from.0[lane], first + lane));
+                }
+            }
+        }
+        near.sort_unstable_by(|(one, _), (other, _)| one.total_cmp(other));
     }
 
     /// Returns whether the surface is continuous on a cell, and all of it belongs to the exact
@@ -210,11 +280,8 @@ impl<'a> PatchTracer<'a> {
         cells.continuous >> lane & 1 == 1 && is_within(0) && is_within(1)
     }
 
-    /// The cells that some of `lines` may meet. `None` if the rays do not go together.
-    fn cells(&self, lines: &[Line<'_>]) -> Option<FoundCells<'a>> {
-        let beam = Beam::around(lines.iter().map(|line| &line.beam))?;
-        let longest = lines.iter().map(|line| line.goal.longest_distance);
-        let enough = ERROR * longest.fold(f64::INFINITY, f64::min);
+    /// The cells that some rays of a beam may meet. They are divided until their error is `enough`.
+    fn cells(&self, beam: &Beam, enough: f64) -> FoundCells<'a> {
         let mut found = FoundCells::default();
         let mut open = vec![(self.tree.root(), 0)];
         while let Some((node, depth)) = open.pop() {
@@ -237,7 +304,7 @@ impl<'a> PatchTracer<'a> {
                 found.cells.push(Found { node, lane, depth, is_whole });
             }
         }
-        Some(found)
+        found
     }
 }
 

@@ -32,6 +32,7 @@
 //! where |U| ≤ 1. If they lie within −1 to 1, they hold for T, too: they include eight times the
 //! rounding of D, relative to D. So D has an error of at most an eighth, and T is at most 8/7.
 
+use crate::method::Segment;
 use fearless_simd::Simd;
 use glam::DVec3;
 use zeroset_eval::{LANES, LaneSet, Lanes, Patches};
@@ -63,30 +64,47 @@ pub(super) struct Beam {
 }
 
 impl Beam {
-    /// The beam of one ray, with `main` as the axis k. The direction's component must not be 0.
-    pub fn along(ray: &Ray, main: usize) -> Self {
-        let axes = [(main + 1) % 3, (main + 2) % 3, main];
+    /// The beam of one ray, with axes in this order. The direction's component on the last must not
+    /// be 0.
+    pub fn along(ray: &Ray, axes: [usize; 3]) -> Self {
         let in_order = |vector: DVec3| axes.map(|axis| vector[axis]);
         let (origin, direction) = (in_order(ray.origin), in_order(ray.direction));
         Self { axes, origin, direction, origin_spread: [0.0; 3], direction_spread: [0.0; 3] }
     }
 
-    /// A beam that holds all `rays`. `None` if there is none, or they have different axes k, or
-    /// spread too far.
-    pub fn around<'r>(mut rays: impl Iterator<Item = &'r Self>) -> Option<Self> {
-        let mut beam = *rays.next()?;
-        let (mut origin, mut direction) = (Ends::new(&beam.origin), Ends::new(&beam.direction));
-        for ray in rays {
-            if ray.axes != beam.axes {
-                return None;
-            }
-            origin.include(&ray.origin);
-            direction.include(&ray.direction);
+    /// A beam that holds two with the same axes. `None` if it spreads too far.
+    pub fn of_both((one, other): (Self, Self)) -> Option<Self> {
+        let (mut origin, mut direction) = (Ends::default(), Ends::default());
+        for axis in 0..3 {
+            let hull = |a: f64, a_spread: f64, b: f64, b_spread: f64| {
+                // Rounded outward.
+                let slack = SLACK * (a.abs() + b.abs() + a_spread + b_spread);
+                let low = (a - a_spread).min(b - b_spread) - slack;
+                (low, (a + a_spread).max(b + b_spread) + slack)
+            };
+            (origin.low[axis], origin.high[axis]) = hull(
+                one.origin[axis],
+                one.origin_spread[axis],
+                other.origin[axis],
+                other.origin_spread[axis],
+            );
+            (direction.low[axis], direction.high[axis]) = hull(
+                one.direction[axis],
+                one.direction_spread[axis],
+                other.direction[axis],
+                other.direction_spread[axis],
+            );
         }
-        (beam.origin, beam.origin_spread) = origin.middle();
-        (beam.direction, beam.direction_spread) = direction.middle();
-        let [i, j, k] = beam.direction_spread;
-        (i.max(j).max(k) <= 0.25 * beam.direction[2].abs()).then_some(beam)
+        Self::between(one.axes, &origin, &direction)
+    }
+
+    /// The beam of all rays whose components lie between these. `None` if it spreads too far.
+    fn between(axes: [usize; 3], origin: &Ends, direction: &Ends) -> Option<Self> {
+        let (origin, origin_spread) = origin.middle();
+        let (direction, direction_spread) = direction.middle();
+        let [i, j, k] = direction_spread;
+        let is_narrow = i.max(j).max(k) <= 0.25 * direction[2].abs();
+        is_narrow.then_some(Self { axes, origin, direction, origin_spread, direction_spread })
     }
 
     /// The lanes in which some ray of the beam may meet the cell, and a lower bound of the t ≥ 0 at
@@ -108,21 +126,25 @@ impl Beam {
 }
 
 /// The lowest and the highest of some vectors' components.
+#[derive(Default)]
 struct Ends {
     low: [f64; 3],
     high: [f64; 3],
 }
 
 impl Ends {
-    fn new(vector: &[f64; 3]) -> Self {
-        Self { low: *vector, high: *vector }
-    }
-
-    fn include(&mut self, vector: &[f64; 3]) {
-        for (axis, component) in vector.iter().enumerate() {
-            self.low[axis] = self.low[axis].min(*component);
-            self.high[axis] = self.high[axis].max(*component);
+    #[inline(always)]
+    fn of(vectors: &[Lanes<f64>; 3]) -> Self {
+        let mut ends = Self::default();
+        for axis in 0..3 {
+            let all = &vectors[axis].0;
+            let (mut low, mut high) = (all[0], all[0]);
+            for lane in 1..LANES {
+                (low, high) = (smaller(all[lane], low), larger(all[lane], high));
+            }
+            (ends.low[axis], ends.high[axis]) = (low, high);
         }
+        ends
     }
 
     /// The middle, and the largest distance from it.
@@ -138,6 +160,11 @@ impl Ends {
         }
         (middles, spreads)
     }
+}
+
+/// The axes i, j, k.
+pub(super) fn axes(main: usize) -> [usize; 3] {
+    [(main + 1) % 3, (main + 2) % 3, main]
 }
 
 /// The axis of a direction's largest component.
@@ -253,18 +280,37 @@ pub(super) struct BeamLanes {
 }
 
 impl BeamLanes {
-    /// The rays in lanes. Lanes that are not in use hold a ray along the axis k.
-    pub fn new<'r>(rays: impl Iterator<Item = &'r Beam>) -> Self {
-        let (zero, one) = (Lanes::splat(0.0), Lanes::splat(1.0));
-        let mut lanes = Self { axes: [0, 1, 2], origin: [zero; 3], direction: [zero, zero, one] };
-        for (lane, ray) in rays.enumerate() {
-            lanes.axes = ray.axes;
-            for axis in 0..3 {
-                lanes.origin[axis].0[lane] = ray.origin[axis];
-                lanes.direction[axis].0[lane] = ray.direction[axis];
+    /// The rays of at most [`LANES`] segments, and at least one. Lanes that are not in use repeat
+    /// the first ray.
+    pub fn new(segments: &[Segment], axes: [usize; 3]) -> Self {
+        let zero = Lanes::splat(0.0);
+        let mut lanes = Self { axes, origin: [zero; 3], direction: [zero; 3] };
+        for lane in 0..LANES {
+            let Ray { origin, direction } = &segments.get(lane).unwrap_or(&segments[0]).ray;
+            for (place, axis) in axes.into_iter().enumerate() {
+                lanes.origin[place].0[lane] = origin[axis];
+                lanes.direction[place].0[lane] = direction[axis];
             }
         }
         lanes
+    }
+
+    /// A beam that holds all rays. `None` if some ray advances less than half as fast along the
+    /// axis k as along another, or they spread too far.
+    #[inline(always)]
+    #[allow(clippy::needless_bitwise_bool, reason = "all lanes at once")]
+    pub fn beam<S: Simd>(&self, _: S) -> Option<Beam> {
+        let [i, j, k] = &self.direction;
+        let mut fast = 0.0;
+        for lane in 0..LANES {
+            let own = 2.0 * k.0[lane].abs();
+            let is_fast = (own >= i.0[lane].abs()) & (own >= j.0[lane].abs());
+            fast += if is_fast { 1.0 } else { 0.0 };
+        }
+        if fast < LANES as f64 {
+            return None;
+        }
+        Beam::between(self.axes, &Ends::of(&self.origin), &Ends::of(&self.direction))
     }
 
     #[inline(always)]
@@ -286,7 +332,7 @@ pub(super) enum First {
     Nothing,
     /// A zero is proven.
     Proven {
-        /// Bounds of t at the zero. Before them, the ray is proven to meet no zero.
+        /// Bounds of t at a zero. Before them, the ray is proven to meet none.
         t: [f64; 2],
         /// Approximate u and v at the zero.
         parameters: [f64; 2],
@@ -296,51 +342,51 @@ pub(super) enum First {
 }
 
 /// The first meetings of up to [`LANES`] rays with cells.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Firsts {
+    /// 1 for a lane with a ray in the region, else 0.
+    is_in_use: Lanes<f64>,
     /// Bounds of t in the region.
     within: [Lanes<f64>; 2],
-    /// Bounds of t at the first meeting. Infinite for a ray without one.
-    t: [Lanes<f64>; 2],
-    /// 1 if a zero is proven there, else 0.
-    is_proven: Lanes<f64>,
-    /// Approximate u and v there.
+    /// The length that a short bracket has at most: at t = 0, and its growth per t.
+    longest: [Lanes<f64>; 2],
+    /// The t before which a ray meets no zero in any cell so far. Infinite without a meeting.
+    near: Lanes<f64>,
+    /// The lowest t before which a zero is proven. Infinite without one.
+    far: Lanes<f64>,
+    /// Approximate u and v of that zero.
     parameters: [Lanes<f64>; 2],
 }
 
 impl Firsts {
-    /// No meetings yet of rays that are in the region for t between these bounds. Lanes that are
-    /// not in use count as if their rays met something before all cells.
-    pub fn new(within: impl Iterator<Item = [f64; 2]>) -> Self {
-        let mut firsts = Self {
-            within: [Lanes::splat(0.0); 2],
-            t: [Lanes::splat(f64::NEG_INFINITY); 2],
-            is_proven: Lanes::splat(0.0),
-            parameters: [Lanes::splat(0.0); 2],
-        };
-        for (lane, [near, far]) in within.enumerate() {
-            (firsts.within[0].0[lane], firsts.within[1].0[lane]) = (near, far);
-            firsts.t[0].0[lane] = f64::INFINITY;
-            firsts.t[1].0[lane] = f64::INFINITY;
-        }
-        firsts
+    /// Adds a ray that is in the region for t between these bounds, without a meeting yet.
+    /// `longest` is the length that a short bracket has at most: at t = 0, and its growth per t.
+    pub fn add(&mut self, lane: usize, [from, to]: [f64; 2], longest: [f64; 2]) {
+        (self.within[0].0[lane], self.within[1].0[lane]) = (from, to);
+        (self.longest[0].0[lane], self.longest[1].0[lane]) = (longest[0], longest[1]);
+        (self.near.0[lane], self.far.0[lane]) = (f64::INFINITY, f64::INFINITY);
+        self.is_in_use.0[lane] = 1.0;
     }
 
-    /// The t at which the last of the first meetings begins.
-    pub fn farthest(&self) -> f64 {
-        let mut farthest = f64::NEG_INFINITY;
-        for near in self.t[0].0 {
-            farthest = larger(near, farthest);
+    /// The t from which on no cell makes a bracket that is short: for no ray, a zero behind it lies
+    /// in a short bracket that begins with the first meeting.
+    pub fn end(&self) -> f64 {
+        let mut end = f64::NEG_INFINITY;
+        for lane in 0..LANES {
+            let near = self.near.0[lane];
+            let longest = self.longest[0].0[lane] + self.longest[1].0[lane] * near.abs();
+            let own = if self.is_in_use.0[lane] > 0.0 { near + longest } else { end };
+            end = larger(own, end);
         }
-        farthest
+        end
     }
 
     /// The first meeting of a ray.
     pub fn of(&self, lane: usize) -> First {
-        let t = [self.t[0].0[lane], self.t[1].0[lane]];
-        if t[0] == f64::INFINITY {
+        let t = [self.near.0[lane], self.far.0[lane]];
+        if t[0] == f64::INFINITY || self.is_in_use.0[lane] == 0.0 {
             First::Nothing
-        } else if self.is_proven.0[lane] > 0.0 {
+        } else if t[1] < f64::INFINITY {
             let [u, v] = &self.parameters;
             First::Proven { t, parameters: [u.0[lane], v.0[lane]] }
         } else {
@@ -367,15 +413,16 @@ impl Firsts {
             let meeting = meeting(&rays.lane(lane), cell);
             let [near, far] = meeting.t;
             let is_outside = (near > self.within[1].0[lane]) | (far < self.within[0].0[lane]);
-            let is_first = meeting.is_possible & !is_outside & (near < self.t[0].0[lane]);
+            let is_met = meeting.is_possible & !is_outside;
+            let is_first = is_met & (near < self.near.0[lane]);
             let is_proven = if meeting.is_inside() { whole } else { 0.0 };
-            self.t[0].0[lane] = if is_first { near } else { self.t[0].0[lane] };
-            self.t[1].0[lane] = if is_first { far } else { self.t[1].0[lane] };
-            self.is_proven.0[lane] = if is_first { is_proven } else { self.is_proven.0[lane] };
+            let is_nearest = is_met & (is_proven > 0.0) & (far < self.far.0[lane]);
+            self.near.0[lane] = if is_first { near } else { self.near.0[lane] };
+            self.far.0[lane] = if is_nearest { far } else { self.far.0[lane] };
             let (u, v) = (u + half_u * meeting.symbols[0][0], v + half_v * meeting.symbols[1][0]);
             let [all_u, all_v] = &mut self.parameters;
-            all_u.0[lane] = if is_first { u } else { all_u.0[lane] };
-            all_v.0[lane] = if is_first { v } else { all_v.0[lane] };
+            all_u.0[lane] = if is_nearest { u } else { all_u.0[lane] };
+            all_v.0[lane] = if is_nearest { v } else { all_v.0[lane] };
         }
     }
 }
@@ -429,10 +476,10 @@ impl Meetings {
 
     /// Where `beam` may meet the cells of all lanes.
     #[inline(always)]
-    pub fn with_cells<S: Simd>(_: S, beam: &Beam, cells: &Patches<f64>) -> Self {
+    pub fn with_cells<S: Simd>(_: S, beam: &Beam, cells: &CellView<'_>) -> Self {
         let mut all = Self::default();
         for lane in 0..LANES {
-            all.set(lane, &meeting(beam, &CellShape::new(cells, beam.axes, lane)));
+            all.set(lane, &meeting(beam, &cells.lane(lane)));
         }
         all
     }

@@ -1,6 +1,6 @@
 //! The search for the first zero of one ray among its candidates.
 
-use super::meeting::{Beam, Meeting, Meetings, with_cell};
+use super::meeting::{Beam, CellLanes, Meeting, Meetings, with_cell};
 use crate::kernel_stats::KernelStats;
 use crate::method::{Segment, Start};
 use crate::options::TraceOptions;
@@ -25,20 +25,19 @@ const NARROW: f64 = 0.25;
 const ROOM: f64 = 2.0;
 /// For rays on which the place of a zero does not matter: the length to which brackets are
 /// narrowed, as a share of the ray's length in the region.
-const SHADOW_LENGTH: f64 = 1.0 / 1024.0;
+pub(super) const SHADOW_LENGTH: f64 = 1.0 / 1024.0;
 /// A range of u or v is not divided below this share of its numbers' size.
 const FINEST: f64 = 8.0 * f64::EPSILON;
 
 /// The part of a ray to search, and the result that is wanted.
 pub(super) struct Goal<'a> {
     segment: &'a Segment,
-    region: &'a Region,
+    /// `None` if all of the surface is in the region.
+    region: Option<&'a Region>,
     /// Bounds of t in the region.
     pub within: [f64; 2],
     /// Greatest length of a bracket in t: at t = 0, and its growth per t.
-    longest: [f64; 2],
-    /// The same in world units, at the middle of the ray's part in the region.
-    pub longest_distance: f64,
+    pub longest: [f64; 2],
     start: Start,
     effort: u32,
     level: Level,
@@ -91,7 +90,7 @@ impl<'s> Goal<'s> {
     pub fn new(
         segment: &'s Segment,
         within: [f64; 2],
-        region: &'s Region,
+        region: Option<&'s Region>,
         start: Start,
         options: &TraceOptions,
         level: Level,
@@ -103,10 +102,8 @@ impl<'s> Goal<'s> {
             // The place of a zero does not matter.
             [SHADOW_LENGTH * (within[1] - within[0]), 0.0]
         };
-        let middle = 0.5 * (within[0] + within[1]);
-        let longest_distance = segment.ray.distance(longest[0] + longest[1] * middle);
         let effort = if options.least > 0.0 { PREVIEW_EFFORT } else { EFFORT };
-        Self { segment, region, within, longest, longest_distance, start, effort, level }
+        Self { segment, region, within, longest, start, effort, level }
     }
 
     /// Adds the cells of a node that the ray may meet.
@@ -116,7 +113,8 @@ impl<'s> Goal<'s> {
         (node, depth): (&'a PatchNode, u32),
         candidates: &mut Vec<Candidate<'a>>,
     ) {
-        let meetings = dispatch!(self.level, simd => Meetings::with_cells(simd, beam, &node.cells));
+        let cells = CellLanes::of_node(&node.cells, beam.axes);
+        let meetings = dispatch!(self.level, simd => Meetings::with_cells(simd, beam, &cells));
         for lane in ones(meetings.possible()) {
             let (meeting, place) = (meetings.lane(lane), Place::InTree { node, lane, depth });
             candidates.extend(self.candidate(tree, &meeting, &node.cells, place, lane));
@@ -203,7 +201,8 @@ impl<'s> Goal<'s> {
     /// Returns whether all of a bracket is proven to be in the region and on the segment.
     fn holds(&self, [near, far]: [f64; 2]) -> bool {
         // The ends of the region are seldom near, so they are not computed before.
-        let [first, last] = self.region.inner(&self.segment.ray);
+        let ray = &self.segment.ray;
+        let [first, last] = self.region.map_or(self.within, |region| region.inner(ray));
         first.max(0.0) <= near && far <= last.min(self.segment.to)
     }
 }
@@ -305,7 +304,8 @@ impl<'a> Search<'_, 'a> {
         let node = self.tree.divide(candidate.part, candidate.columns);
         work.tiles.called(LANES as u32);
         let level = self.goal.level;
-        let meetings = dispatch!(level, simd => Meetings::with_cells(simd, self.beam, &node.cells));
+        let cells = CellLanes::of_node(&node.cells, self.beam.axes);
+        let meetings = dispatch!(level, simd => Meetings::with_cells(simd, self.beam, &cells));
         for lane in ones(meetings.possible()) {
             let (meeting, place) = (meetings.lane(lane), Place::Apart);
             candidates.extend(self.goal.candidate(self.tree, &meeting, &node.cells, place, lane));
