@@ -2,13 +2,15 @@
 //!
 //! Cells that some ray of a square may meet are found by one test a cell for the whole square. Of
 //! them, those that some ray of a group of 16 may meet, by one test for the group. Then each cell is
-//! tested with all rays of the group at once, the nearest cells first. Most rays are decided so: the
-//! first cell that a ray may meet proves a zero in a bracket that is short enough, or there is none.
+//! tested with all rays of the group at once, the nearest cells first. Of the first two cells that a
+//! ray may meet, only the part that may hold the zeros is evaluated anew, for all rays of the group
+//! at once, until the bracket of a proven zero is short enough. Most rays are decided so.
 //!
 //! Each other ray has a few candidates: cells with bounds of t. The candidate that begins first is
 //! examined first. It is dropped if it is proven empty, it is the hit if a zero is proven, and else
 //! it is narrowed. So nothing lies before a hit, and a ray without candidates is a miss.
 
+mod first_zeros;
 mod meeting;
 mod search;
 
@@ -19,9 +21,9 @@ use crate::options::TraceOptions;
 use crate::painted::ones;
 use crate::ray_result::RayResult;
 use fearless_simd::Level;
-use meeting::{Beam, BeamLanes, CellLanes, CellShape, First, Firsts, Meetings, axes, main_axis};
-use search::{Goal, Place, SHADOW_LENGTH, Search};
-use zeroset_eval::{KernelError, LANES, Patches, dispatch};
+use meeting::{Beam, BeamLanes, CellView, Firsts, Meetings, axes, main_axis};
+use search::{Candidate, Goal, Place, SHADOW_LENGTH, Search};
+use zeroset_eval::{KernelError, LANES, Lanes, Patches, dispatch};
 use zeroset_space::{PatchNode, PatchTree, Region};
 
 /// The only method for parametric surfaces. Other methods are for equations and solids.
@@ -68,8 +70,14 @@ struct PatchTracer<'a> {
 /// Number of levels of cells from whose bounds it is seen whether a region holds the surface.
 const BOX_DEPTH: u32 = 1;
 
-/// Cells are divided for a square of rays until their error is this share of the longest bracket.
-const ERROR: f64 = 0.15;
+/// Cells are divided for a square of rays while their error is above the longest bracket times this
+/// factor.
+const LARGE: f64 = 1.5;
+/// The same if the error is above a [share](ROUGH) of the cell's shorter side.
+const SMALL: f64 = 0.5;
+/// From cells whose error is above this share of their shorter side, parts that hold zeros are
+/// seldom much smaller.
+const ROUGH: f64 = 0.2;
 /// Largest number of levels below the root to which cells are divided for a square of rays.
 const GROUP_DEPTH: u32 = 5;
 /// Beyond this number of cells for a square of rays, none is divided further.
@@ -95,12 +103,12 @@ struct Found<'a> {
     is_whole: bool,
 }
 
-/// Cells that some rays may meet, and their shapes.
+/// Cells that some rays may meet.
 #[derive(Default)]
 struct FoundCells<'a> {
     cells: Vec<Found<'a>>,
-    /// [`LANES`] cells each.
-    shapes: Vec<CellLanes>,
+    /// The surface over them, [`LANES`] cells each.
+    shapes: Vec<Patches<f64>>,
 }
 
 impl Tracer for PatchTracer<'_> {
@@ -120,15 +128,15 @@ impl Tracer for PatchTracer<'_> {
             whole = if number == 0 { beam } else { whole.zip(beam).and_then(Beam::of_both) };
             groups.push(Group { first: LANES * number, count: segments.len(), rays, beam });
         }
-        let error = ERROR * self.longest(segment);
-        let cells = whole.map(|beam| self.cells(&beam, error));
+        let longest = self.longest(segment);
+        let cells = whole.map(|beam| self.cells(&beam, longest));
         let mut near = Vec::new();
         for group in &groups {
             let numbers = group.first..group.first + group.count;
             let (segments, found) = (&rays[numbers.clone()], &mut found[numbers]);
             // Rays of a square that go apart may go together in a group.
             let own = match (&cells, &group.beam) {
-                (None, Some(beam)) => Some(self.cells(beam, error)),
+                (None, Some(beam)) => Some(self.cells(beam, longest)),
                 _ => None,
             };
             match cells.as_ref().or(own.as_ref()) {
@@ -202,48 +210,54 @@ impl<'a> PatchTracer<'a> {
             found.fill(RayResult::MISS);
             return;
         }
+        let mut goals: [Option<Goal<'_>>; LANES] = [const { None }; LANES];
         let mut firsts = Firsts::default();
         for (lane, segment) in segments.iter().enumerate() {
-            if let Some(goal) = self.goal(segment, start) {
-                firsts.add(lane, goal.within, goal.longest);
+            goals[lane] = self.goal(segment, start);
+            if let Some(goal) = &goals[lane] {
+                firsts.add(lane, goal.within);
             }
         }
-        for &(from, cell) in near.iter() {
+        for &(from, number) in near.iter() {
+            // In the cells that are left, no ray has its first zero.
             if from >= firsts.end() {
                 break;
             }
-            let Found { node, lane, is_whole, .. } = cells.cells[cell];
+            let Found { node, lane, is_whole, .. } = cells.cells[number];
             let cell = (&node.cells, lane);
-            dispatch!(self.level, simd => firsts.meet(simd, &group.rays, cell, is_whole));
+            dispatch!(self.level, simd => firsts.meet(simd, &group.rays, cell, number, is_whole));
         }
+        let zeros = self.first_zeros(&group.rays, &goals, firsts, &cells.cells, work);
         let mut candidates = Vec::new();
         for (lane, (segment, found)) in segments.iter().zip(found).enumerate() {
-            let first = firsts.of(lane);
             *found = RayResult::MISS;
-            if matches!(first, First::Nothing) {
-                continue;
+            let Some(goal) = goals[lane].as_ref() else { continue };
+            let Some(t) = zeros.of(lane) else { continue };
+            *found = goal.hit(t, zeros.parameters(lane)).unwrap_or_else(|| {
+                let beam = Beam::along(&segment.ray, group.rays.axes);
+                self.candidates(&beam, goal, cells, &mut candidates);
+                Search { tree: self.tree, beam: &beam, goal }.run(&mut candidates, work)
+            });
+        }
+    }
+
+    /// Sets `candidates` to those of a ray among `cells`, which hold all points that it meets.
+    fn candidates(
+        &self,
+        beam: &Beam,
+        goal: &Goal<'_>,
+        cells: &FoundCells<'a>,
+        candidates: &mut Vec<Candidate<'a>>,
+    ) {
+        candidates.clear();
+        for (shapes, cells) in cells.shapes.iter().zip(cells.cells.chunks(LANES)) {
+            let shapes = CellView::new(shapes, beam.axes);
+            let meetings = dispatch!(self.level, simd => Meetings::with_cells(simd, beam, &shapes));
+            for place in ones(meetings.possible()).take_while(|place| *place < cells.len()) {
+                let Found { node, lane, depth, .. } = cells[place];
+                let (meeting, place) = (meetings.lane(place), Place::InTree { node, lane, depth });
+                candidates.extend(goal.candidate(self.tree, &meeting, &node.cells, place, lane));
             }
-            let Some(goal) = self.goal(segment, start) else { continue };
-            *found = match first {
-                First::Proven { t, parameters } if let Some(hit) = goal.hit(t, parameters) => hit,
-                _ => {
-                    let beam = Beam::along(&segment.ray, group.rays.axes);
-                    candidates.clear();
-                    for (shapes, cells) in cells.shapes.iter().zip(cells.cells.chunks(LANES)) {
-                        let meetings = dispatch!(self.level, simd => Meetings::with_cells(simd, &beam, &shapes.view()));
-                        for place in
-                            ones(meetings.possible()).take_while(|place| *place < cells.len())
-                        {
-                            let Found { node, lane, depth, .. } = cells[place];
-                            let meeting = meetings.lane(place);
-                            let place = Place::InTree { node, lane, depth };
-                            let new = goal.candidate(self.tree, &meeting, &node.cells, place, lane);
-                            candidates.extend(new);
-                        }
-                    }
-                    Search { tree: self.tree, beam: &beam, goal: &goal }.run(&mut candidates, work)
-                }
-            };
         }
     }
 
@@ -257,7 +271,8 @@ impl<'a> PatchTracer<'a> {
         };
         for (batch, shapes) in cells.shapes.iter().enumerate() {
             let first = LANES * batch;
-            let (possible, from) = dispatch!(self.level, simd => beam.meets(simd, &shapes.view()));
+            let shapes = CellView::new(shapes, beam.axes);
+            let (possible, from) = dispatch!(self.level, simd => beam.meets(simd, &shapes));
             let count = cells.cells.len() - first;
             for lane in ones(possible) {
                 if lane < count {
@@ -280,25 +295,25 @@ impl<'a> PatchTracer<'a> {
         cells.continuous >> lane & 1 == 1 && is_within(0) && is_within(1)
     }
 
-    /// The cells that some rays of a beam may meet. They are divided until their error is `enough`.
-    fn cells(&self, beam: &Beam, enough: f64) -> FoundCells<'a> {
+    /// The cells that some rays of a beam may meet. `longest` is the greatest length of a bracket.
+    fn cells(&self, beam: &Beam, longest: f64) -> FoundCells<'a> {
         let mut found = FoundCells::default();
         let mut open = vec![(self.tree.root(), 0)];
         while let Some((node, depth)) = open.pop() {
-            let cells = CellLanes::of_node(&node.cells, beam.axes);
+            let cells = CellView::new(&node.cells, beam.axes);
             let (possible, _) = dispatch!(self.level, simd => beam.meets(simd, &cells));
             for lane in ones(possible & !node.cells.nowhere) {
                 let is_room = found.cells.len() + open.len() < GROUP_CELLS;
-                if depth < GROUP_DEPTH && is_room && error(&node.cells, lane) > enough {
+                if depth < GROUP_DEPTH && is_room && is_coarse(&node.cells, lane, longest) {
                     open.push((self.tree.part(node, lane), depth + 1));
                     continue;
                 }
                 let place = found.cells.len() % LANES;
                 if place == 0 {
-                    found.shapes.push(CellLanes::default());
+                    found.shapes.push(Patches::default());
                 }
                 if let Some(shapes) = found.shapes.last_mut() {
-                    shapes.set(place, &CellShape::new(&node.cells, beam.axes, lane));
+                    shapes.copy_lane(place, &node.cells, lane);
                 }
                 let is_whole = self.is_whole(&node.cells, lane);
                 found.cells.push(Found { node, lane, depth, is_whole });
@@ -306,6 +321,18 @@ impl<'a> PatchTracer<'a> {
         }
         found
     }
+}
+
+/// Returns whether a cell is divided for a square of rays.
+fn is_coarse(cells: &Patches<f64>, lane: usize, longest: f64) -> bool {
+    let error = error(cells, lane);
+    if error <= SMALL * longest {
+        return false;
+    }
+    let side = |along: &[Lanes<f64>; 3]| {
+        along[0].0[lane].abs().max(along[1].0[lane].abs()).max(along[2].0[lane].abs())
+    };
+    error > LARGE * longest || error > ROUGH * side(&cells.along_u).min(side(&cells.along_v))
 }
 
 /// The largest error of a coordinate over a cell.

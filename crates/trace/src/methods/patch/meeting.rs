@@ -136,11 +136,10 @@ impl Ends {
     #[inline(always)]
     fn of(vectors: &[Lanes<f64>; 3]) -> Self {
         let mut ends = Self::default();
-        for axis in 0..3 {
-            let all = &vectors[axis].0;
-            let (mut low, mut high) = (all[0], all[0]);
-            for lane in 1..LANES {
-                (low, high) = (smaller(all[lane], low), larger(all[lane], high));
+        for (axis, all) in vectors.iter().enumerate() {
+            let (mut low, mut high) = (all.0[0], all.0[0]);
+            for component in all.0 {
+                (low, high) = (smaller(component, low), larger(component, high));
             }
             (ends.low[axis], ends.high[axis]) = (low, high);
         }
@@ -201,55 +200,13 @@ fn of_lane(all: &[Lanes<f64>; 3], [i, j, k]: [usize; 3], lane: usize) -> [f64; 3
     [all[i].0[lane], all[j].0[lane], all[k].0[lane]]
 }
 
-/// The shapes of [`LANES`] cells, in the order of a beam's axes.
-#[derive(Clone, Debug, Default)]
-pub(super) struct CellLanes {
-    centre: [Lanes<f64>; 3],
-    along_u: [Lanes<f64>; 3],
-    along_v: [Lanes<f64>; 3],
-    error: [Lanes<f64>; 3],
-}
-
-impl CellLanes {
-    /// Sets a lane to a shape.
-    pub fn set(&mut self, lane: usize, shape: &CellShape) {
-        for axis in 0..3 {
-            self.centre[axis].0[lane] = shape.centre[axis];
-            self.along_u[axis].0[lane] = shape.along_u[axis];
-            self.along_v[axis].0[lane] = shape.along_v[axis];
-            self.error[axis].0[lane] = shape.error[axis];
-        }
-    }
-
-    /// All shapes.
-    pub fn view(&self) -> CellView<'_> {
-        let Self { centre, along_u, along_v, error } = self;
-        CellView {
-            centre: centre.each_ref(),
-            along_u: along_u.each_ref(),
-            along_v: along_v.each_ref(),
-            error: error.each_ref(),
-        }
-    }
-
-    /// The shapes of a node's cells.
-    pub fn of_node(cells: &Patches<f64>, axes: [usize; 3]) -> CellView<'_> {
-        CellView {
-            centre: in_order(&cells.centre, axes),
-            along_u: in_order(&cells.along_u, axes),
-            along_v: in_order(&cells.along_v, axes),
-            error: in_order(&cells.error, axes),
-        }
-    }
-}
-
 /// The values on three axes, in this order.
 #[inline(always)]
 fn in_order(all: &[Lanes<f64>; 3], [i, j, k]: [usize; 3]) -> [&Lanes<f64>; 3] {
     [&all[i], &all[j], &all[k]]
 }
 
-/// The shapes of [`LANES`] cells, where they are stored.
+/// The shapes of [`LANES`] cells, in the order of a beam's axes, where they are stored.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CellView<'a> {
     centre: [&'a Lanes<f64>; 3],
@@ -258,7 +215,18 @@ pub(super) struct CellView<'a> {
     error: [&'a Lanes<f64>; 3],
 }
 
-impl CellView<'_> {
+impl<'a> CellView<'a> {
+    /// The shapes of cells.
+    #[inline(always)]
+    pub fn new(cells: &'a Patches<f64>, axes: [usize; 3]) -> Self {
+        Self {
+            centre: in_order(&cells.centre, axes),
+            along_u: in_order(&cells.along_u, axes),
+            along_v: in_order(&cells.along_v, axes),
+            error: in_order(&cells.error, axes),
+        }
+    }
+
     #[inline(always)]
     fn lane(&self, lane: usize) -> CellShape {
         let of = |[i, j, k]: [&Lanes<f64>; 3]| [i.0[lane], j.0[lane], k.0[lane]];
@@ -325,77 +293,61 @@ impl BeamLanes {
     }
 }
 
-/// The first meeting of a ray with cells.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum First {
-    /// It is proven to meet no zero.
-    Nothing,
-    /// A zero is proven.
-    Proven {
-        /// Bounds of t at a zero. Before them, the ray is proven to meet none.
-        t: [f64; 2],
-        /// Approximate u and v at the zero.
-        parameters: [f64; 2],
-    },
-    /// Neither is proven.
-    Unknown,
+/// The first meetings of up to [`LANES`] rays with cells.
+#[derive(Clone, Debug)]
+pub(super) struct Firsts {
+    /// Bounds of t in the region. No t lies between those of lanes that are not in use.
+    within: [Lanes<f64>; 2],
+    /// The t at which the first, the second and the third meeting begin at the earliest. Infinite
+    /// if there is none.
+    pub near: [Lanes<f64>; 3],
+    /// Numbers of the cells of the first two meetings.
+    pub cell: [Lanes<f64>; 2],
+    /// A zero in the meeting that ends first of those in which one is proven.
+    pub zero: ZeroLanes,
 }
 
-/// The first meetings of up to [`LANES`] rays with cells.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Firsts {
-    /// 1 for a lane with a ray in the region, else 0.
-    is_in_use: Lanes<f64>,
-    /// Bounds of t in the region.
-    within: [Lanes<f64>; 2],
-    /// The length that a short bracket has at most: at t = 0, and its growth per t.
-    longest: [Lanes<f64>; 2],
-    /// The t before which a ray meets no zero in any cell so far. Infinite without a meeting.
-    near: Lanes<f64>,
-    /// The lowest t before which a zero is proven. Infinite without one.
-    far: Lanes<f64>,
+/// Bounds of zeros on up to [`LANES`] rays.
+#[derive(Clone, Debug)]
+pub(super) struct ZeroLanes {
+    /// The lowest t before which a zero is proven. Infinite if none is.
+    pub far: Lanes<f64>,
     /// Approximate u and v of that zero.
-    parameters: [Lanes<f64>; 2],
+    pub parameters: [Lanes<f64>; 2],
+}
+
+impl Default for ZeroLanes {
+    fn default() -> Self {
+        Self { far: Lanes::splat(f64::INFINITY), parameters: [Lanes::splat(0.0); 2] }
+    }
+}
+
+impl Default for Firsts {
+    fn default() -> Self {
+        let (none, zero) = (Lanes::splat(f64::INFINITY), ZeroLanes::default());
+        let within = [none, Lanes::splat(f64::NEG_INFINITY)];
+        Self { within, near: [none; 3], cell: [Lanes::splat(0.0); 2], zero }
+    }
 }
 
 impl Firsts {
-    /// Adds a ray that is in the region for t between these bounds, without a meeting yet.
-    /// `longest` is the length that a short bracket has at most: at t = 0, and its growth per t.
-    pub fn add(&mut self, lane: usize, [from, to]: [f64; 2], longest: [f64; 2]) {
+    /// Adds a ray that is in the region for t between these bounds.
+    pub fn add(&mut self, lane: usize, [from, to]: [f64; 2]) {
         (self.within[0].0[lane], self.within[1].0[lane]) = (from, to);
-        (self.longest[0].0[lane], self.longest[1].0[lane]) = (longest[0], longest[1]);
-        (self.near.0[lane], self.far.0[lane]) = (f64::INFINITY, f64::INFINITY);
-        self.is_in_use.0[lane] = 1.0;
     }
 
-    /// The t from which on no cell makes a bracket that is short: for no ray, a zero behind it lies
-    /// in a short bracket that begins with the first meeting.
+    /// The t from which on all rays in use have passed a proven zero.
     pub fn end(&self) -> f64 {
         let mut end = f64::NEG_INFINITY;
         for lane in 0..LANES {
-            let near = self.near.0[lane];
-            let longest = self.longest[0].0[lane] + self.longest[1].0[lane] * near.abs();
-            let own = if self.is_in_use.0[lane] > 0.0 { near + longest } else { end };
-            end = larger(own, end);
+            let is_in_use = self.within[0].0[lane] <= self.within[1].0[lane];
+            end = larger(if is_in_use { self.zero.far.0[lane] } else { end }, end);
         }
         end
     }
 
-    /// The first meeting of a ray.
-    pub fn of(&self, lane: usize) -> First {
-        let t = [self.near.0[lane], self.far.0[lane]];
-        if t[0] == f64::INFINITY || self.is_in_use.0[lane] == 0.0 {
-            First::Nothing
-        } else if t[1] < f64::INFINITY {
-            let [u, v] = &self.parameters;
-            First::Proven { t, parameters: [u.0[lane], v.0[lane]] }
-        } else {
-            First::Unknown
-        }
-    }
-
-    /// Lets all rays meet the cell in a lane. `is_whole` tells whether the surface is continuous on
-    /// the cell, and all of it belongs to the exact rectangle.
+    /// Lets all rays meet the cell in a lane. `number` is the cell's. `is_whole` tells whether the
+    /// surface is continuous on the cell, and all of it belongs to the exact rectangle.
     #[inline(always)]
     #[allow(clippy::needless_bitwise_bool, reason = "all lanes at once")]
     pub fn meet<S: Simd>(
@@ -403,26 +355,38 @@ impl Firsts {
         _: S,
         rays: &BeamLanes,
         (cells, lane): (&Patches<f64>, usize),
+        number: usize,
         is_whole: bool,
     ) {
-        let cell = &CellShape::new(cells, rays.axes, lane);
+        let (cell, number) = (&CellShape::new(cells, rays.axes, lane), number as f64);
         let whole = if is_whole { 1.0 } else { 0.0 };
         let (u, v) = (cells.middle[0].0[lane], cells.middle[1].0[lane]);
         let (half_u, half_v) = (cells.half[0].0[lane], cells.half[1].0[lane]);
+        let [first, second, third] = &mut self.near;
+        let [first_cell, second_cell] = &mut self.cell;
+        let ZeroLanes { far: zero, parameters: [zero_u, zero_v] } = &mut self.zero;
         for lane in 0..LANES {
             let meeting = meeting(&rays.lane(lane), cell);
             let [near, far] = meeting.t;
             let is_outside = (near > self.within[1].0[lane]) | (far < self.within[0].0[lane]);
             let is_met = meeting.is_possible & !is_outside;
-            let is_first = is_met & (near < self.near.0[lane]);
+            let is_first = is_met & (near < first.0[lane]);
+            let is_second = is_met & !is_first & (near < second.0[lane]);
+            let is_third = is_met & !is_first & !is_second & (near < third.0[lane]);
+            third.0[lane] = if is_third { near } else { third.0[lane] };
+            third.0[lane] = if is_first | is_second { second.0[lane] } else { third.0[lane] };
+            second.0[lane] = if is_second { near } else { second.0[lane] };
+            second.0[lane] = if is_first { first.0[lane] } else { second.0[lane] };
+            second_cell.0[lane] = if is_second { number } else { second_cell.0[lane] };
+            second_cell.0[lane] = if is_first { first_cell.0[lane] } else { second_cell.0[lane] };
+            first.0[lane] = if is_first { near } else { first.0[lane] };
+            first_cell.0[lane] = if is_first { number } else { first_cell.0[lane] };
             let is_proven = if meeting.is_inside() { whole } else { 0.0 };
-            let is_nearest = is_met & (is_proven > 0.0) & (far < self.far.0[lane]);
-            self.near.0[lane] = if is_first { near } else { self.near.0[lane] };
-            self.far.0[lane] = if is_nearest { far } else { self.far.0[lane] };
+            let is_nearest = is_met & (is_proven > 0.0) & (far < zero.0[lane]);
             let (u, v) = (u + half_u * meeting.symbols[0][0], v + half_v * meeting.symbols[1][0]);
-            let [all_u, all_v] = &mut self.parameters;
-            all_u.0[lane] = if is_nearest { u } else { all_u.0[lane] };
-            all_v.0[lane] = if is_nearest { v } else { all_v.0[lane] };
+            zero.0[lane] = if is_nearest { far } else { zero.0[lane] };
+            zero_u.0[lane] = if is_nearest { u } else { zero_u.0[lane] };
+            zero_v.0[lane] = if is_nearest { v } else { zero_v.0[lane] };
         }
     }
 }
@@ -484,6 +448,16 @@ impl Meetings {
         all
     }
 
+    /// Where the ray of each lane may meet the cell in the same lane.
+    #[inline(always)]
+    pub fn by_lane<S: Simd>(_: S, rays: &BeamLanes, cells: &CellView<'_>) -> Self {
+        let mut all = Self::default();
+        for lane in 0..LANES {
+            all.set(lane, &meeting(&rays.lane(lane), &cells.lane(lane)));
+        }
+        all
+    }
+
     /// Lanes in which a zero is not excluded.
     #[inline(always)]
     pub fn possible(&self) -> LaneSet {
@@ -499,7 +473,10 @@ impl Meetings {
         Meeting {
             is_possible: self.is_possible[lane] > 0.0,
             is_solved: self.is_solved[lane] > 0.0,
-            symbols: self.symbols.each_ref().map(|ends| [ends[0][lane], ends[1][lane]]),
+            symbols: [
+                [self.symbols[0][0].0[lane], self.symbols[0][1].0[lane]],
+                [self.symbols[1][0].0[lane], self.symbols[1][1].0[lane]],
+            ],
             t: [self.t[0][lane], self.t[1][lane]],
         }
     }

@@ -1,6 +1,6 @@
 //! The search for the first zero of one ray among its candidates.
 
-use super::meeting::{Beam, CellLanes, Meeting, Meetings, with_cell};
+use super::meeting::{Beam, CellView, Meeting, Meetings, with_cell};
 use crate::kernel_stats::KernelStats;
 use crate::method::{Segment, Start};
 use crate::options::TraceOptions;
@@ -19,10 +19,10 @@ const EVALUATION: u32 = 16;
 /// Largest depth of the tree. Deeper cells are evaluated for one ray, and forgotten.
 const DEPTH: u32 = 6;
 /// A cell is narrowed to the bounds of its zeros if they are shorter than this share of it.
-const NARROW: f64 = 0.25;
+const NARROW: f64 = 0.4;
 /// A narrowed cell is wider than the bounds of its zeros by this factor, so that the next bounds
 /// may lie inside it.
-const ROOM: f64 = 2.0;
+const ROOM: f64 = 1.25;
 /// For rays on which the place of a zero does not matter: the length to which brackets are
 /// narrowed, as a share of the ray's length in the region.
 pub(super) const SHADOW_LENGTH: f64 = 1.0 / 1024.0;
@@ -37,7 +37,7 @@ pub(super) struct Goal<'a> {
     /// Bounds of t in the region.
     pub within: [f64; 2],
     /// Greatest length of a bracket in t: at t = 0, and its growth per t.
-    pub longest: [f64; 2],
+    longest: [f64; 2],
     start: Start,
     effort: u32,
     level: Level,
@@ -97,7 +97,7 @@ impl<'s> Goal<'s> {
     ) -> Self {
         let [first, growth] = segment.pixel;
         let longest = if first.is_finite() {
-            [first, growth].map(|size| options.longest() * size)
+            [options.longest() * first, options.longest() * growth]
         } else {
             // The place of a zero does not matter.
             [SHADOW_LENGTH * (within[1] - within[0]), 0.0]
@@ -113,7 +113,7 @@ impl<'s> Goal<'s> {
         (node, depth): (&'a PatchNode, u32),
         candidates: &mut Vec<Candidate<'a>>,
     ) {
-        let cells = CellLanes::of_node(&node.cells, beam.axes);
+        let cells = CellView::new(&node.cells, beam.axes);
         let meetings = dispatch!(self.level, simd => Meetings::with_cells(simd, beam, &cells));
         for lane in ones(meetings.possible()) {
             let (meeting, place) = (meetings.lane(lane), Place::InTree { node, lane, depth });
@@ -135,21 +135,13 @@ impl<'s> Goal<'s> {
             return None;
         }
         let is_continuous = cells.continuous >> lane & 1 == 1;
-        let outer = tree.outer();
-        let part = [0, 1].map(|axis| {
-            let (middle, half) = (cells.middle[axis][lane], cells.half[axis][lane]);
-            let [symbol, reach] = meeting.symbols[axis];
-            let [low, high] = [(symbol - reach).max(-1.0), (symbol + reach).min(1.0)];
-            let slack = 4.0 * f64::EPSILON * (middle.abs() + half);
-            let [low, high] = [middle + half * low - slack, middle + half * high + slack];
-            [low.max(outer[axis][0]), high.min(outer[axis][1])]
-        });
+        let part = part(tree, meeting, cells, lane);
         let is_within = |axis: usize| {
             let ([low, high], inner) = (part[axis], tree.inner()[axis]);
             inner[0] <= low && high <= inner[1]
         };
         let is_proven = is_continuous && meeting.is_inside() && is_within(0) && is_within(1);
-        let is_narrow = meeting.is_solved && meeting.symbols.iter().all(|part| part[1] <= NARROW);
+        let is_narrow = is_narrow(meeting);
         let is_likely =
             meeting.is_solved && meeting.symbols.iter().all(|part| part[0].abs() <= 1.0);
         let shares = [meeting.symbols[0][1].min(1.0), meeting.symbols[1][1].min(1.0)];
@@ -182,7 +174,7 @@ impl<'s> Goal<'s> {
             distance: middle,
             drawn: middle,
             bracket: t,
-            parameters: parameters.map(|parameter| parameter as f32),
+            parameters: [parameters[0] as f32, parameters[1] as f32],
             ..RayResult::MISS
         })
     }
@@ -194,7 +186,7 @@ impl<'s> Goal<'s> {
     }
 
     /// Returns whether a bracket is short enough.
-    fn is_short(&self, [near, far]: [f64; 2]) -> bool {
+    pub fn is_short(&self, [near, far]: [f64; 2]) -> bool {
         far - near <= self.longest[0] + self.longest[1] * near.max(0.0)
     }
 
@@ -285,17 +277,7 @@ impl<'a> Search<'_, 'a> {
             return 1;
         }
         if candidate.is_narrow {
-            let outer = self.tree.outer();
-            let cell = [0, 1].map(|axis| {
-                let [low, high] = candidate.part[axis];
-                let (middle, half) = (0.5 * (low + high), 0.5 * ROOM * (high - low));
-                let slack = FINEST * middle.abs();
-                [
-                    (middle - half - slack).max(outer[axis][0]),
-                    (middle + half + slack).min(outer[axis][1]),
-                ]
-            });
-            let cells = self.tree.over(&[cell]);
+            let cells = self.tree.over(&[with_room(candidate.part, self.tree)]);
             work.tiles.called(1);
             let meeting = with_cell(self.beam, &cells, 0);
             candidates.extend(self.goal.candidate(self.tree, &meeting, &cells, Place::Apart, 0));
@@ -304,7 +286,7 @@ impl<'a> Search<'_, 'a> {
         let node = self.tree.divide(candidate.part, candidate.columns);
         work.tiles.called(LANES as u32);
         let level = self.goal.level;
-        let cells = CellLanes::of_node(&node.cells, self.beam.axes);
+        let cells = CellView::new(&node.cells, self.beam.axes);
         let meetings = dispatch!(level, simd => Meetings::with_cells(simd, self.beam, &cells));
         for lane in ones(meetings.possible()) {
             let (meeting, place) = (meetings.lane(lane), Place::Apart);
@@ -312,6 +294,42 @@ impl<'a> Search<'_, 'a> {
         }
         EVALUATION
     }
+}
+
+/// Returns whether the zeros in a cell lie in a much smaller part of it.
+pub(super) fn is_narrow(meeting: &Meeting) -> bool {
+    let [[_, u], [_, v]] = meeting.symbols;
+    meeting.is_solved && u <= NARROW && v <= NARROW
+}
+
+/// The part of a lane's cell that holds all zeros.
+pub(super) fn part(
+    tree: &PatchTree,
+    meeting: &Meeting,
+    cells: &Patches<f64>,
+    lane: usize,
+) -> PatchCell {
+    let mut part = tree.outer();
+    for (axis, range) in part.iter_mut().enumerate() {
+        let (middle, half) = (cells.middle[axis].0[lane], cells.half[axis].0[lane]);
+        let [symbol, reach] = meeting.symbols[axis];
+        let [low, high] = [(symbol - reach).max(-1.0), (symbol + reach).min(1.0)];
+        let slack = 4.0 * f64::EPSILON * (middle.abs() + half);
+        let [low, high] = [middle + half * low - slack, middle + half * high + slack];
+        *range = [low.max(range[0]), high.min(range[1])];
+    }
+    part
+}
+
+/// A cell around a part, with so much room that the next bounds of the zeros may lie inside it.
+pub(super) fn with_room(part: PatchCell, tree: &PatchTree) -> PatchCell {
+    let mut cell = tree.outer();
+    for (range, [low, high]) in cell.iter_mut().zip(part) {
+        let (middle, half) = (0.5 * (low + high), 0.5 * ROOM * (high - low));
+        let slack = FINEST * middle.abs();
+        *range = [(middle - half - slack).max(range[0]), (middle + half + slack).min(range[1])];
+    }
+    cell
 }
 
 /// Removes the candidate that begins first.
