@@ -175,14 +175,11 @@ impl<'a> PatchTracer<'a> {
     }
 
     /// The goal of a segment. `None` if it is outside of the region.
-    fn goal<'s>(&'s self, segment: &'s Segment, start: Start) -> Option<Goal<'s>> {
+    fn goal(&self, segment: &Segment, start: Start) -> Option<Goal> {
         // Where the region holds all of the surface, only the segment's ends matter.
-        let (within, region) = if self.is_inside && segment.pixel[0].is_finite() {
-            ([0.0, segment.to], None)
-        } else {
-            (segment.within(self.region)?, Some(self.region))
-        };
-        Some(Goal::new(segment, within, region, start, &self.options, self.level))
+        let is_free = self.is_inside && segment.pixel[0].is_finite();
+        let region = (!is_free).then_some(self.region);
+        Goal::new(segment, region, start, &self.options, self.level)
     }
 
     /// Follows one ray through all cells.
@@ -210,12 +207,12 @@ impl<'a> PatchTracer<'a> {
             found.fill(RayResult::MISS);
             return;
         }
-        let mut goals: [Option<Goal<'_>>; LANES] = [const { None }; LANES];
+        let mut goals: [Option<Goal>; LANES] = [const { None }; LANES];
         let mut firsts = Firsts::default();
         for (lane, segment) in segments.iter().enumerate() {
             goals[lane] = self.goal(segment, start);
             if let Some(goal) = &goals[lane] {
-                firsts.add(lane, goal.within);
+                firsts.add(lane, goal.within, goal.sure);
             }
         }
         for &(from, number) in near.iter() {
@@ -245,7 +242,7 @@ impl<'a> PatchTracer<'a> {
     fn candidates(
         &self,
         beam: &Beam,
-        goal: &Goal<'_>,
+        goal: &Goal,
         cells: &FoundCells<'a>,
         candidates: &mut Vec<Candidate<'a>>,
     ) {

@@ -24,12 +24,15 @@ pub(super) struct FirstZeros {
 }
 
 impl FirstZeros {
-    /// Bounds of the first zero of a ray: the t before which there is none, and one before which a
-    /// zero is proven, or infinity. `None` if the ray meets no zero.
+    /// Bounds of the first zero of a ray in the region: the t before which there is none, and one
+    /// before which a zero is proven, or infinity. `None` if the ray meets no zero.
     pub fn of(&self, lane: usize) -> Option<[f64; 2]> {
         let [one, two, rest] = &self.near;
         let near = one.0[lane].min(two.0[lane]).min(rest.0[lane]);
-        (near < f64::INFINITY).then_some([near, self.zero.far.0[lane]])
+        let far = self.zero.far.0[lane];
+        // A zero that is proven is never in a part that holds none.
+        debug_assert!(far == f64::INFINITY || near <= far, "{near} {far}");
+        (near < f64::INFINITY).then_some([near, far])
     }
 
     /// Approximate u and v of the proven zero.
@@ -44,7 +47,7 @@ impl PatchTracer<'_> {
     pub(super) fn first_zeros(
         &self,
         rays: &BeamLanes,
-        goals: &[Option<Goal<'_>>; LANES],
+        goals: &[Option<Goal>; LANES],
         firsts: Firsts,
         cells: &[Found<'_>],
         work: &mut KernelStats,
@@ -70,7 +73,7 @@ impl PatchTracer<'_> {
     fn narrow(
         &self,
         rays: &BeamLanes,
-        goals: &[Option<Goal<'_>>; LANES],
+        goals: &[Option<Goal>; LANES],
         (all, rank): (&mut FirstZeros, usize),
         (cells, numbers, mut open): (&[Found<'_>], &Lanes<f64>, LaneSet),
         work: &mut KernelStats,
@@ -105,7 +108,10 @@ impl PatchTracer<'_> {
                 if round > 0 {
                     is_whole[lane] = self.is_whole(&shapes, lane);
                 }
-                if is_whole[lane] && meeting.is_inside() && meeting.t[1] < far.0[lane] {
+                let is_proven = is_whole[lane]
+                    && meeting.is_inside()
+                    && goal.is_some_and(|goal| goal.holds(meeting.t));
+                if is_proven && meeting.t[1] < far.0[lane] {
                     far.0[lane] = meeting.t[1];
                     for (axis, all) in parameters.iter_mut().enumerate() {
                         let middle = shapes.middle[axis].0[lane];

@@ -296,21 +296,23 @@ impl BeamLanes {
 /// The first meetings of up to [`LANES`] rays with cells.
 #[derive(Clone, Debug)]
 pub(super) struct Firsts {
-    /// Bounds of t in the region. No t lies between those of lanes that are not in use.
+    /// Only for t between these may the ray be in the region: for none in lanes that are not in use.
     within: [Lanes<f64>; 2],
+    /// For all t between these, the ray is in the region.
+    sure: [Lanes<f64>; 2],
     /// The t at which the first, the second and the third meeting begin at the earliest. Infinite
     /// if there is none.
     pub near: [Lanes<f64>; 3],
     /// Numbers of the cells of the first two meetings.
     pub cell: [Lanes<f64>; 2],
-    /// A zero in the meeting that ends first of those in which one is proven.
+    /// A zero in the meeting that ends first of those in which one is proven in the region.
     pub zero: ZeroLanes,
 }
 
 /// Bounds of zeros on up to [`LANES`] rays.
 #[derive(Clone, Debug)]
 pub(super) struct ZeroLanes {
-    /// The lowest t before which a zero is proven. Infinite if none is.
+    /// The lowest t before which a zero in the region is proven. Infinite if none is.
     pub far: Lanes<f64>,
     /// Approximate u and v of that zero.
     pub parameters: [Lanes<f64>; 2],
@@ -326,14 +328,17 @@ impl Default for Firsts {
     fn default() -> Self {
         let (none, zero) = (Lanes::splat(f64::INFINITY), ZeroLanes::default());
         let within = [none, Lanes::splat(f64::NEG_INFINITY)];
-        Self { within, near: [none; 3], cell: [Lanes::splat(0.0); 2], zero }
+        Self { within, sure: [none; 2], near: [none; 3], cell: [Lanes::splat(0.0); 2], zero }
     }
 }
 
 impl Firsts {
-    /// Adds a ray that is in the region for t between these bounds.
-    pub fn add(&mut self, lane: usize, [from, to]: [f64; 2]) {
-        (self.within[0].0[lane], self.within[1].0[lane]) = (from, to);
+    /// Adds a ray that may be in the region only for t in `within`, and is for all t in `sure`.
+    pub fn add(&mut self, lane: usize, within: [f64; 2], sure: [f64; 2]) {
+        for end in 0..2 {
+            self.within[end].0[lane] = within[end];
+            self.sure[end].0[lane] = sure[end];
+        }
     }
 
     /// The t from which on all rays in use have passed a proven zero.
@@ -382,7 +387,8 @@ impl Firsts {
             first.0[lane] = if is_first { near } else { first.0[lane] };
             first_cell.0[lane] = if is_first { number } else { first_cell.0[lane] };
             let is_proven = if meeting.is_inside() { whole } else { 0.0 };
-            let is_nearest = is_met & (is_proven > 0.0) & (far < zero.0[lane]);
+            let is_inside = (near >= self.sure[0].0[lane]) & (far <= self.sure[1].0[lane]);
+            let is_nearest = is_met & is_inside & (is_proven > 0.0) & (far < zero.0[lane]);
             let (u, v) = (u + half_u * meeting.symbols[0][0], v + half_v * meeting.symbols[1][0]);
             zero.0[lane] = if is_nearest { far } else { zero.0[lane] };
             zero_u.0[lane] = if is_nearest { u } else { zero_u.0[lane] };

@@ -30,12 +30,11 @@ pub(super) const SHADOW_LENGTH: f64 = 1.0 / 1024.0;
 const FINEST: f64 = 8.0 * f64::EPSILON;
 
 /// The part of a ray to search, and the result that is wanted.
-pub(super) struct Goal<'a> {
-    segment: &'a Segment,
-    /// `None` if all of the surface is in the region.
-    region: Option<&'a Region>,
-    /// Bounds of t in the region.
+pub(super) struct Goal {
+    /// Only for t between these may the segment be in the region.
     pub within: [f64; 2],
+    /// For all t between these, the segment is in the region.
+    pub sure: [f64; 2],
     /// Greatest length of a bracket in t: at t = 0, and its growth per t.
     longest: [f64; 2],
     start: Start,
@@ -85,16 +84,23 @@ impl Candidate<'_> {
     }
 }
 
-impl<'s> Goal<'s> {
-    /// The goal for a segment that is in the region for t in `within`.
+impl Goal {
+    /// The goal for a segment in a region. `None` if the segment is outside of it. Without a region,
+    /// the segment's ends alone matter.
     pub fn new(
-        segment: &'s Segment,
-        within: [f64; 2],
-        region: Option<&'s Region>,
+        segment: &Segment,
+        region: Option<&Region>,
         start: Start,
         options: &TraceOptions,
         level: Level,
-    ) -> Self {
+    ) -> Option<Self> {
+        let (mut within, mut sure) = ([0.0, segment.to], [0.0, segment.to]);
+        if let Some(region) = region {
+            within = segment.within(region)?;
+            let [first, last] = region.inner(&segment.ray);
+            sure = [first.max(0.0), last.min(segment.to)];
+        }
+
         let [first, growth] = segment.pixel;
         let longest = if first.is_finite() {
             [options.longest() * first, options.longest() * growth]
@@ -103,7 +109,7 @@ impl<'s> Goal<'s> {
             [SHADOW_LENGTH * (within[1] - within[0]), 0.0]
         };
         let effort = if options.least > 0.0 { PREVIEW_EFFORT } else { EFFORT };
-        Self { segment, region, within, longest, start, effort, level }
+        Some(Self { within, sure, longest, start, effort, level })
     }
 
     /// Adds the cells of a node that the ray may meet.
@@ -191,11 +197,8 @@ impl<'s> Goal<'s> {
     }
 
     /// Returns whether all of a bracket is proven to be in the region and on the segment.
-    fn holds(&self, [near, far]: [f64; 2]) -> bool {
-        // The ends of the region are seldom near, so they are not computed before.
-        let ray = &self.segment.ray;
-        let [first, last] = self.region.map_or(self.within, |region| region.inner(ray));
-        first.max(0.0) <= near && far <= last.min(self.segment.to)
+    pub fn holds(&self, [near, far]: [f64; 2]) -> bool {
+        self.sure[0] <= near && far <= self.sure[1]
     }
 }
 
@@ -203,7 +206,7 @@ impl<'s> Goal<'s> {
 pub(super) struct Search<'s, 'a> {
     pub tree: &'a PatchTree,
     pub beam: &'s Beam,
-    pub goal: &'s Goal<'s>,
+    pub goal: &'s Goal,
 }
 
 impl<'a> Search<'_, 'a> {
