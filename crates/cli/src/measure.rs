@@ -16,7 +16,7 @@ use zeroset_live::Rendering;
 use zeroset_measure::{Measured, Measures, Quantity, RELATIVE, Request, measures};
 use zeroset_render::limit::Limit;
 use zeroset_scene::curves::UNPROVEN;
-use zeroset_scene::patches::NO_MESH;
+use zeroset_scene::patches::NO_MEASURE;
 use zeroset_scene::view::Clipping;
 
 /// The note on measures that take long.
@@ -65,7 +65,7 @@ pub fn run(arguments: &MeasureArgs) -> Result<ExitCode> {
         notes::note(UNPROVEN);
     }
     if !subject.document.patches.is_empty() {
-        notes::note(NO_MESH);
+        notes::note(NO_MEASURE);
     }
     if arguments.json {
         print(&format!("{}\n", report(&found, &request, subject.parse)))?;

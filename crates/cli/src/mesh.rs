@@ -23,7 +23,6 @@ use zeroset_scene::blank::{Blank, ends};
 use zeroset_scene::coordinate::{coordinate, decimal};
 use zeroset_scene::curves::UNPROVEN;
 use zeroset_scene::domain::AutoDomain;
-use zeroset_scene::patches::NO_MESH;
 use zeroset_scene::view::Clipping;
 use zeroset_syntax::Document;
 
@@ -72,9 +71,6 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     }
     if !subject.document.curves.is_empty() {
         notes::note(UNPROVEN);
-    }
-    if !subject.document.patches.is_empty() {
-        notes::note(NO_MESH);
     }
     if arguments.unit.is_some() && !files.format().is_some_and(|format| format.has_unit) {
         notes::note(&format!("--unit changes nothing: only {} have units", listed(|f| f.has_unit)));
@@ -182,7 +178,6 @@ fn why_empty(found: &Meshes, document: &Document) -> String {
     let place = |found: Option<AutoDomain>| found.map(|found| format!("--domain {}", ends(&found)));
     match blank {
         Blank::NoCurve => "there are curves and points alone".to_owned(),
-        _ if document.surfaces.is_empty() => NO_MESH.to_owned(),
         Blank::Missed { found, .. } if cells > 0 => format!(
             "the function changes its sign at no sample; {cells} cells may still hold a point of \
              the surface, which may be thinner than {tolerance:.2e} there: try a smaller \
@@ -328,6 +323,15 @@ fn describe(name: &str, mesh: &Mesh, tolerance: f64) -> String {
     let of = if name.is_empty() { String::new() } else { format!("`{name}`: ") };
     let closed = if mesh.is_closed { "closed" } else { "with an open rim" };
     let shape = match (&mesh.unproven[..], mesh.far) {
+        ([], 0) if mesh.is_parametric => {
+            format!("at the same parameters, within {tolerance:.2e} of the surface: proven")
+        }
+        (gaps, far) if mesh.is_parametric => format!(
+            "in {} of {} cells the surface may have a gap, and in {far} it is not proven to be \
+             within {tolerance:.2e}",
+            gaps.len(),
+            mesh.cells
+        ),
         _ if mesh.is_estimated => "nothing is proven: bounds were estimated".to_owned(),
         ([], 0) => format!(
             "the shape is proven: isotopic to the surface in the domain, and within {tolerance:.2e} \

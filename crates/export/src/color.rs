@@ -10,7 +10,7 @@ use zeroset_mesh::Mesh;
 use zeroset_scene::number::nearest;
 use zeroset_scene::point_value::{Place, PointValues};
 use zeroset_shade::{LinearRgb, SurfaceColors};
-use zeroset_syntax::{Document, MappedColor, Surface, SurfaceColor};
+use zeroset_syntax::{Document, DrawnSurface, MappedColor, SurfaceColor};
 
 /// If values spread over less than this share of the largest of them, they count as one value:
 /// rounding explains the spread.
@@ -40,8 +40,8 @@ pub struct PointColors {
 
 impl Color {
     /// The color of a surface by its number, without a color map.
-    pub fn of(number: usize, surface: &Surface) -> Self {
-        let rgb = match &surface.color {
+    pub fn of(number: usize, surface: &DrawnSurface<'_>) -> Self {
+        let rgb = match surface.color {
             Some(SurfaceColor::Plain(color)) => color.rgb,
             Some(SurfaceColor::Mapped(_)) | None => {
                 SurfaceColors::default_for(number).positive.to_srgb()
@@ -73,7 +73,7 @@ pub fn map_colors(document: &Document, surfaces: &[usize], objects: &mut [Object
         document.parameters.iter().map(|parameter| nearest(&parameter.value)).collect();
     let mapped: Vec<Option<&MappedColor>> = surfaces
         .iter()
-        .map(|surface| match &document.surfaces[*surface].color {
+        .map(|surface| match document.drawn_surfaces().nth(*surface)?.color {
             Some(SurfaceColor::Mapped(mapped)) => Some(mapped),
             Some(SurfaceColor::Plain(_)) | None => None,
         })

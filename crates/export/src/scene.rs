@@ -1,13 +1,20 @@
 //! The meshes of a document's visible surfaces.
 
 use crate::color::{Color, map_colors};
+use glam::DVec3;
 use std::time::{Duration, Instant};
-use zeroset_mesh::{MOST_CELLS, Mesh, Options, Simplification, TOLERANCE, larger, mesh, simplify};
+use zeroset_mesh::{
+    MOST_CELLS, Mesh, Options, Simplification, TOLERANCE, larger, mesh, parametric_mesh, simplify,
+};
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::program::{Program, ProgramError};
 use zeroset_scene::view::{self, Clipping, DomainChoice, SceneError};
 use zeroset_space::Region;
 use zeroset_syntax::{Document, SurfaceColor};
+
+/// A note on parametric surfaces that reach out of the domain.
+const WHOLE: &str = "a parametric surface reaches out of the domain: it is cut in pictures, but its mesh is that \
+     of the whole rectangle";
 
 /// The mesh of one surface.
 #[derive(Clone, Debug)]
@@ -74,9 +81,21 @@ pub fn meshes(
     let simplifying = clock.elapsed();
     let tolerance = tolerance.unwrap_or(TOLERANCE * (region.high() - region.low()).length());
     let clock = Instant::now();
-    let visible = document.surfaces.iter().enumerate().filter(|(_, surface)| !surface.hidden);
+    let program = program.with_patches(document)?;
+    let visible = document.drawn_surfaces().enumerate().filter(|(_, surface)| !surface.hidden);
     let (mut objects, mut surfaces, mut is_undefined) = (Vec::new(), Vec::new(), true);
     for (number, surface) in visible {
+        let (name, color) = (surface.line(), Color::of(number, &surface));
+        surfaces.push(number);
+        if let Some(patch) = program.patch(number) {
+            is_undefined = false;
+            let tree = patch.tree().map_err(ProgramError::from)?;
+            let Some(mesh) = parametric_mesh(tree, tolerance, MOST_CELLS, wanted) else {
+                return Ok(None);
+            };
+            objects.push(Object { name, mesh, color });
+            continue;
+        }
         is_undefined &= program.is_undefined(number);
         let is_solid = program.is_solid(number);
         let is_mapped = matches!(surface.color, Some(SurfaceColor::Mapped(_)));
@@ -99,13 +118,18 @@ pub fn meshes(
                 return Ok(None);
             }
         }
-        let name = surface.line();
-        objects.push(Object { name, mesh, color: Color::of(number, surface) });
-        surfaces.push(number);
+        objects.push(Object { name, mesh, color });
     }
     map_colors(document, &surfaces, &mut objects);
     let mesh = clock.elapsed();
-    let remarks = program.remarks(document);
+    let mut remarks = program.remarks(document);
+    let is_beyond = |object: &Object| {
+        let is_outside = |at: &DVec3| !region.is_near(*at, tolerance);
+        object.mesh.is_parametric && object.mesh.vertices.iter().any(is_outside)
+    };
+    if objects.iter().any(is_beyond) {
+        remarks.push(WHOLE.to_owned());
+    }
     Ok(Some(Meshes {
         objects,
         region,

@@ -8,7 +8,7 @@ use thiserror::Error;
 use zeroset_eval::KernelError;
 use zeroset_scene::coordinate::coordinate;
 use zeroset_scene::domain::AutoDomain;
-use zeroset_scene::patches::NO_MESH;
+use zeroset_scene::patches::NO_MEASURE;
 use zeroset_scene::program::{Program, ProgramError};
 use zeroset_scene::view::{self, Clipping, DomainChoice, SceneError};
 use zeroset_space::Region;
@@ -59,7 +59,7 @@ pub enum MeasureError {
     #[error("nothing to measure: there are curves and points alone")]
     NoSurface,
     /// There are parametric surfaces alone.
-    #[error("nothing to measure: {}", NO_MESH)]
+    #[error("nothing to measure: {}", NO_MEASURE)]
     Parametric,
     /// No surface is visible.
     #[error("nothing to measure: every surface is hidden")]

@@ -14,6 +14,7 @@ mod index;
 mod leaf;
 mod near;
 mod orientation;
+mod parametric;
 mod place;
 mod polygon;
 mod proof;
@@ -30,6 +31,7 @@ use flat::Flat;
 use glam::DVec3;
 use leaf::{Kind, Nearness};
 use near::{Far, Loose};
+pub use parametric::parametric_mesh;
 use refine::{Limits, Refined, refine};
 pub use simplify::{Simplification, least_for_single, simplify};
 use space::Space;
@@ -64,6 +66,7 @@ const FEW: f64 = 0.05;
 
 /// The mesh of one surface.
 #[derive(Clone, Debug, Default)]
+#[allow(clippy::struct_excessive_bools, reason = "each is a fact of its own")]
 pub struct Mesh {
     /// Places of the vertices, in world units.
     pub vertices: Vec<DVec3>,
@@ -83,6 +86,9 @@ pub struct Mesh {
     pub far: usize,
     /// Number of tetrahedra that may hold a part of the surface.
     pub cells: usize,
+    /// True if the surface is parametric. Then its shape is that of the rectangle of u and v, and
+    /// [unproven](Self::unproven) are the places where it may have a gap.
+    pub is_parametric: bool,
     /// True if the triangles have no rim.
     pub is_closed: bool,
     /// True if all coordinates are `f32`.

@@ -22,8 +22,8 @@ use zeroset_ir::fix_exponents;
 use zeroset_space::{PatchCell, PatchTree};
 use zeroset_syntax::{Document, Patch, Patches, Surface};
 
-/// The reason why meshes and measures leave out parametric surfaces.
-pub const NO_MESH: &str = "parametric surfaces are drawn, but meshes and measures leave them out: they are for equations \
+/// The reason why measures leave out parametric surfaces.
+pub const NO_MEASURE: &str = "parametric surfaces are drawn and meshed, but measures leave them out: they are for equations \
      and solids";
 
 /// Number of levels of cells from whose bounds a surface's box is made.

@@ -171,6 +171,16 @@ impl Region {
         (self.high - self.low).max_element() / 2.0
     }
 
+    /// Returns whether a point is in the region, or at most `slack` away from it, up to rounding.
+    pub fn is_near(&self, point: DVec3, slack: f64) -> bool {
+        let beyond = (self.low - point).max(point - self.high).max_element();
+        let is_cut = self.clip.is_some_and(|HalfSpace { normal, offset }| {
+            normal.dot(point) > offset + slack * normal.length()
+        });
+        let is_out = |ball: Ball| point.distance(ball.centre) > ball.radius + slack;
+        beyond <= slack && !is_cut && !self.ball.is_some_and(is_out)
+    }
+
     /// Bounds of the t ≥ 0 at which points of `ray` lie inside the region, rounded outward. `None`
     /// if no point does.
     pub fn span(&self, ray: &Ray) -> Option<(f64, f64)> {

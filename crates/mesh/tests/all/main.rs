@@ -4,6 +4,7 @@ mod crossings;
 mod flat;
 mod flush;
 mod orientation;
+mod parametric;
 mod shapes;
 mod sheets;
 

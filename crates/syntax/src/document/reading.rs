@@ -133,8 +133,13 @@ impl Surface {
 
     /// The statement as it was read, in one line.
     pub fn line(&self) -> String {
-        self.echo.split_whitespace().collect::<Vec<_>>().join(" ")
+        in_one_line(&self.echo)
     }
+}
+
+/// A text without line breaks.
+fn in_one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// A surface of a document, however it is given.
@@ -157,6 +162,11 @@ pub struct DrawnSurface<'a> {
 }
 
 impl<'a> DrawnSurface<'a> {
+    /// The surface's statement, in one line.
+    pub fn line(&self) -> String {
+        in_one_line(self.echo)
+    }
+
     fn of_surface(one: &'a Surface) -> Self {
         Self {
             span: one.span,

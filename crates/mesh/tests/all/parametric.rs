@@ -1,0 +1,136 @@
+//! Meshes of parametric surfaces.
+
+use std::collections::HashMap;
+use zeroset_mesh::{MOST_CELLS, Mesh, parametric_mesh};
+use zeroset_scene::program::Program;
+use zeroset_syntax::read;
+
+fn mesh_of(text: &str, tolerance: f64) -> Mesh {
+    let document = read(text, &zeroset_syntax::Options::default()).expect(text);
+    let whole = [zeroset_interval::Interval { lo: -1.0, hi: 1.0 }; 3];
+    let program = Program::new(&document, whole).expect(text);
+    let program = program.with_patches(&document).expect(text);
+    let tree = program.patch(0).expect(text).tree().expect("a kernel");
+    parametric_mesh(tree, tolerance, MOST_CELLS, &|| true).expect("wanted")
+}
+
+/// Per edge, how many triangles run along it in either direction.
+fn edges(mesh: &Mesh) -> HashMap<[u32; 2], [u32; 2]> {
+    let mut counts = HashMap::<_, [u32; 2]>::new();
+    for &[a, b, c] in &mesh.triangles {
+        for [from, to] in [[a, b], [b, c], [c, a]] {
+            counts.entry([from.min(to), from.max(to)]).or_default()[usize::from(from > to)] += 1;
+        }
+    }
+    counts
+}
+
+fn euler(mesh: &Mesh) -> i64 {
+    let [vertices, triangles] = [mesh.vertices.len(), mesh.triangles.len()].map(|n| n as i64);
+    vertices - edges(mesh).len() as i64 + triangles
+}
+
+/// Closed surfaces, their Euler numbers, and whether they have two sides.
+const CLOSED: [(&str, i64, bool); 8] = [
+    ("(cos u cos v, sin u cos v, sin v) for u in [0, 2pi], v in [-pi/2, pi/2]", 2, true),
+    ("((2 + cos v) cos u, (2 + cos v) sin u, sin v) for u in [0, 2pi], v in [0, 2pi]", 0, true),
+    // Klein's bottle of a figure 8: a side is turned around.
+    (
+        "r(u, v) = 2 + cos(u/2) sin(v) - sin(u/2) sin(2v); (r(u, v) cos u, r(u, v) sin u, sin(u/2) sin(v) + cos(u/2) sin(2v)) for u in [0, 2pi], v in [0, 2pi]",
+        0,
+        false,
+    ),
+    // The cross-cap: opposite points of a side are the same.
+    (
+        "(cos(u) sin(2v), sin(u) sin(2v), cos(v)^2 - cos(u)^2 sin(v)^2) for u in [0, 2pi], v in [0, pi/2]",
+        1,
+        false,
+    ),
+    // A triangle that turns by a third of a turn on its way around.
+    (
+        "s(u, v) = u/3 - 2v; (sin(u) (7 + cos(s(u, v)) + 2 cos(u/3 + v)), cos(u) (7 + cos(s(u, v)) + 2 cos(u/3 + v)), sin(s(u, v)) + 2 sin(u/3 + v)) for u in [-pi, pi], v in [-pi, pi]",
+        0,
+        true,
+    ),
+    // The horn torus: a sphere whose poles are the same point.
+    ("((1 - cos v) cos u, (1 - cos v) sin u, sin v) for u in [0, 2pi], v in [0, 2pi]", 1, true),
+    // The sphere twice, one over the other.
+    ("(cos u cos v, sin u cos v, sin v) for u in [0, 4pi], v in [-pi/2, pi/2]", 2, true),
+    (
+        "((3 + cos v) cos(2u), (3 + cos v) sin(2u), sin(v) + sin(3u)) for u in [0, 2pi], v in [0, 2pi]",
+        0,
+        true,
+    ),
+];
+
+#[test]
+fn closed_surfaces_have_closed_meshes() {
+    for (text, expected, has_sides) in CLOSED {
+        for tolerance in [0.3, 0.01] {
+            let mesh = mesh_of(text, tolerance);
+            assert!(mesh.is_proven() && mesh.is_closed && mesh.is_parametric, "{text}");
+            let edges = edges(&mesh);
+            assert!(edges.values().all(|[one, other]| one + other == 2), "{text}: an edge");
+            let is_sided = edges.values().all(|count| *count == [1, 1]);
+            assert_eq!((euler(&mesh), is_sided), (expected, has_sides), "{text}, {tolerance}");
+        }
+    }
+}
+
+#[test]
+fn triangles_face_outward_and_lie_within_the_tolerance() {
+    // Turned inside out by its parameters.
+    let sphere = "(cos u cos v, sin u cos v, sin v) for v in [-pi/2, pi/2], u in [0, 2pi]";
+    for tolerance in [0.1, 0.01, 0.001] {
+        let mesh = mesh_of(sphere, tolerance);
+        for triangle in &mesh.triangles {
+            let [a, b, c] = triangle.map(|vertex| mesh.vertices[vertex as usize]);
+            let middle = (a + b + c) / 3.0;
+            assert!((b - a).cross(c - a).dot(middle) > 0.0, "{a} {b} {c}");
+            // Points between the vertices are the farthest.
+            for point in [middle, (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0, a, b, c] {
+                assert!((point.length() - 1.0).abs() <= tolerance, "{point}");
+            }
+        }
+    }
+}
+
+#[test]
+fn rims_stay_open() {
+    for (text, expected) in [
+        // A strip with one side and one rim.
+        (
+            "((2 + v cos(u/2)) cos u, (2 + v cos(u/2)) sin u, v sin(u/2)) for u in [0, 2pi], v in [-1, 1]",
+            0,
+        ),
+        ("(u, v, u v) for u in [-1, 1], v in [-1, 1]", 1),
+        // Covered twice: its rims are not glued to themselves.
+        ("(cos u, sin u, v) for u in [0, 4pi], v in [0, 1]", 0),
+        // A cone's tip is one point.
+        ("(v cos u, v sin u, v) for u in [0, 2pi], v in [0, 1]", 1),
+    ] {
+        let mesh = mesh_of(text, 0.01);
+        assert!(mesh.is_proven() && !mesh.is_closed, "{text}");
+        assert!(edges(&mesh).values().all(|[one, other]| one + other <= 2), "{text}");
+        assert_eq!(euler(&mesh), expected, "{text}");
+    }
+}
+
+#[test]
+fn gaps_are_told() {
+    let steps = mesh_of("(u, v, floor(3u)/3) for u in [-1, 1], v in [-1, 1]", 0.01);
+    assert!(!steps.unproven.is_empty() && !steps.is_proven());
+    let pole = mesh_of("(u, v, 1/u) for u in [-1, 1], v in [0, 1]", 0.05);
+    assert!(!pole.unproven.is_empty() && pole.vertices.iter().all(|at| at.is_finite()));
+    let half = mesh_of("(u, v, sqrt(u)) for u in [-1, 1], v in [0, 1]", 0.01);
+    assert!(half.vertices.iter().all(|at| at.x >= -0.01), "where it has no value");
+    // Too few cells: the distance is not proven.
+    let document = read(CLOSED[0].0, &zeroset_syntax::Options::default()).expect("a sphere");
+    let whole = [zeroset_interval::Interval { lo: -1.0, hi: 1.0 }; 3];
+    let program = Program::new(&document, whole).expect("a sphere");
+    let program = program.with_patches(&document).expect("a sphere");
+    let tree = program.patch(0).expect("a sphere").tree().expect("a kernel");
+    let coarse = parametric_mesh(tree, 1e-6, 50, &|| true).expect("wanted");
+    assert!(coarse.far > 0 && !coarse.is_proven() && coarse.is_closed);
+    assert!(parametric_mesh(tree, 1e-6, 50, &|| false).is_none());
+}
