@@ -176,7 +176,7 @@ fn divided(
     Some(done)
 }
 
-/// Cells with what is known of the surface over them.
+/// Evaluates the surface over cells.
 fn evaluated(tree: &PatchTree, ranges: &[Ranges]) -> Vec<Cell> {
     let some = |ranges: &[Ranges]| {
         let cells: Vec<PatchCell> = ranges.iter().map(|one| parameters(tree, one)).collect();

@@ -98,7 +98,8 @@ impl PatchSurface {
         self.tree.get_or_init(make).as_ref().map_err(Arc::clone)
     }
 
-    /// The unit normal, as gradient of a kernel at the points (u, v, 0). NaN where there is none.
+    /// A kernel whose gradient at the point (u, v, 0) is the unit normal; NaN if the surface has no
+    /// normal there.
     ///
     /// # Errors
     /// If a kernel fails to compile.

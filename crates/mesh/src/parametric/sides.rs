@@ -96,7 +96,7 @@ impl Sides {
         self.copies(place).into_iter().min().unwrap_or(place)
     }
 
-    /// All places that are the same point. Of a side that is one point, only its ends.
+    /// All places that are the same point. A side that is one point counts by its ends alone.
     pub fn copies(&self, place: Place) -> Vec<Place> {
         let mut all = vec![place];
         let mut next = 0;

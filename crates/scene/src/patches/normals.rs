@@ -9,7 +9,7 @@ use zeroset_space::PatchCell;
 
 /// A surface's coordinates and their derivatives. As a kernel, it gives the unit normal as gradient
 /// at the points (u, v, 0), and 0 as value. The normal is the cross product of the derivatives with
-/// respect to u and v. It is NaN where there is none.
+/// respect to u and v, or NaN if that is 0.
 pub(super) struct Normals {
     /// Each coordinate and its derivatives, as functions of u and v.
     coordinates: [Box<dyn Kernel<SampleGradient, f64>>; 3],

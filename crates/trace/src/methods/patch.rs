@@ -1,10 +1,10 @@
 //! Parametric surfaces: rays are followed through the cells of u and v.
 //!
-//! Cells that some ray of a square may meet are found by one test a cell for the whole square. Of
-//! them, those that some ray of a group of 16 may meet, by one test for the group. Then each cell is
-//! tested with all rays of the group at once, the nearest cells first. Of the first two cells that a
-//! ray may meet, only the part that may hold the zeros is evaluated anew, for all rays of the group
-//! at once, until the bracket of a proven zero is short enough. Most rays are decided so.
+//! One test a cell finds the cells that some ray of a square may meet. One more test a cell finds
+//! those for a group of 16 rays. Each of these cells is tested with all rays of the group at once,
+//! the nearest first. In the first two cells that a ray may meet, the part that may hold zeros is
+//! evaluated anew, for all rays of the group at once, until the bracket of a proven zero is short
+//! enough. Most rays are decided so.
 //!
 //! Each other ray has a few candidates: cells with bounds of t. The candidate that begins first is
 //! examined first. It is dropped if it is proven empty, it is the hit if a zero is proven, and else
