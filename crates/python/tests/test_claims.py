@@ -38,6 +38,15 @@ def claimed(program, folder, text, size="16"):
         ("z = atan2(y, x)/2 + sqrt(2 - x^2 - y^2); domain 2", 0.85),
         ("domain 4; besselj0(2*sqrt(x^2+y^2)) + erf(x)/9 = z", 0.97),
         ("(x^2+y^2)^(3/4) + mod(z, 1) = 1; domain 2", 0.85),
+        ("(cos u cos v, sin u cos v, sin v) for u in [0, 2pi], v in [-pi/2, pi/2]", 1),
+        ("clip 1, 1, 0, 0.5; (u v, u, v^2) for u in [-2, 2], v in [-2, 2]; domain ball 1.5", 0.97),
+        (
+            "r = 0.7 in [0, 1]; x^2 + y^2 + z^2 = 2; "
+            "((2 + r cos s) cos t, (2 + r cos s) sin t, r sin s) for s in [0, 2pi], t in [0, 2pi]",
+            0.97,
+        ),
+        ("(u, v, sqrt(4 - u^2 - v^2)) for u in [-2, 2], v in [-2, 2]", 0.97),
+        ("(u, v, |u| + max(v, 0)/2 + floor(u + v)/4) for u in [-2, 2], v in [-1, 1]", 0.97),
     ],
 )
 def test_claims_are_confirmed(program, tmp_path, text, share):
@@ -73,6 +82,82 @@ def test_false_claims_are_refuted(program, tmp_path):
     # A ray through the ring's near and far side: the bracket is the second zero's.
     passing = next(claim for claim in hits if second(claim))
     refuted({**passing, "bracket": second(passing)}, "a zero before the bracket")
+
+
+def test_false_claims_of_parametric_surfaces_are_refuted(program, tmp_path):
+    text = "(cos u cos v, sin u cos v, sin v) for u in [0, 2pi], v in [-pi/2, pi/2]"
+    path = claimed(program, tmp_path, text, "24")
+    header, *lines = path.read_text().splitlines()
+    claims = [json.loads(line) for line in lines]
+    hits = [claim for claim in claims if claim["status"] == "hit"][::4]
+    misses = [claim for claim in claims if claim["status"] == "miss"][::4]
+    assert len(hits) > 25 and len(misses) > 25
+
+    def checked(claims, status):
+        path.write_text("\n".join([header, *map(json.dumps, claims)]) + "\n")
+        return counts(path, status)
+
+    def refuted(claims, why):
+        found, said = checked(claims, 1)
+        assert found["refuted"] == len(claims) == said.count(why), said
+
+    refuted([{**hit, "status": "miss"} for hit in hits], "there is a zero")
+    # Zeros of the equation, as floats.
+    near = [zero(hit, -1) for hit in hits]
+    assert all(a <= t <= b for t, (a, b) in zip(near, (hit["bracket"] for hit in hits)))
+    for moved in [-1e-9, 1e-9]:
+        brackets = [[t + moved - 1e-10, t + moved + 1e-10] for t in near]
+        pairs = zip(hits, brackets)
+        refuted([{**hit, "bracket": both} for hit, both in pairs], "no zero in the bracket")
+    refuted(
+        [
+            {**miss, "status": "hit", "bracket": [1.0, 9.0]}
+            for miss in misses
+            if within(header, miss)
+        ],
+        "no zero in the bracket",
+    )
+    far = [{**hit, "bracket": [zero(hit, 1) - 1e-9, zero(hit, 1) + 1e-9]} for hit in hits]
+    refuted(far, "a zero before the bracket")
+    # Narrower brackets than those claimed are confirmed.
+    exact = [{**hit, "bracket": [t - 1e-12, t + 1e-12]} for hit, t in zip(hits, near)]
+    assert checked(exact, 0)[0]["confirmed"] == len(exact)
+    # A part of the sphere only: each ray through the rest is a miss.
+    half = json.loads(header)
+    ranges = half["surfaces"][0]["ranges"]
+    assert half["steps"][ranges[1][0]] == ["neg", ranges[1][1]]
+    half["steps"].append(["number", "0"])
+    ranges[1] = [len(half["steps"]) - 1, ranges[1][1]]
+    header = json.dumps(half)
+    below = [hit for hit in hits if all(place(hit, sign)[2] < -0.01 for sign in (-1, 1))]
+    above = [hit for hit in hits if place(hit, -1)[2] > 0.01]
+    assert len(below) > 3 and len(above) > 10
+    refuted(below, "no zero in the bracket")
+    found, said = checked(above, 0)
+    assert found["confirmed"] == len(above), said
+
+
+def zero(claim, sign):
+    """The distance of the first (-1) or the last zero of the unit sphere on a ray."""
+    size = sum(d * d for d in claim["direction"]) ** 0.5
+    pairs = list(zip(claim["origin"], (d / size for d in claim["direction"])))
+    half = sum(o * d for o, d in pairs)
+    return -half + sign * (half * half - sum(o * o for o, _ in pairs) + 1) ** 0.5
+
+
+def place(claim, sign):
+    size = sum(d * d for d in claim["direction"]) ** 0.5
+    distance = zero(claim, sign)
+    return [o + distance * d / size for o, d in zip(claim["origin"], claim["direction"])]
+
+
+def within(header, claim):
+    """Whether the middle of a ray is in the domain."""
+    size = sum(d * d for d in claim["direction"]) ** 0.5
+    half = -sum(o * d for o, d in zip(claim["origin"], claim["direction"])) / size
+    middle = [o + half * d / size for o, d in zip(claim["origin"], claim["direction"])]
+    box = json.loads(header)["domain"]
+    return all(a < m < b for a, m, b in zip(box["low"], middle, box["high"]))
 
 
 def second(claim):
