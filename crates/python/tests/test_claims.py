@@ -7,6 +7,7 @@ import subprocess
 import sys
 
 import pytest
+from conftest import cases
 
 CHECK = pathlib.Path(__file__).parents[3] / "examples" / "python" / "check_claims.py"
 
@@ -19,9 +20,9 @@ def counts(path, status=0):
     return {name: int(n) for n, name in re.findall(r"(\d+) ([a-z ]+)", last)}, run.stdout
 
 
-def claimed(program, folder, text, size="16"):
+def claimed(program, folder, text, size="16", *view):
     path = folder / "claims.jsonl"
-    subprocess.run([program, "render", text, "--size", size, "--claims", path], check=True)
+    subprocess.run([program, "render", text, "--size", size, *view, "--claims", path], check=True)
     return path
 
 
@@ -56,6 +57,54 @@ def test_claims_are_confirmed(program, tmp_path, text, share):
     assert decided > 200, said
     assert found["refuted"] == 0, said
     assert found["confirmed"] >= share * decided, said
+
+
+# A text, and half the side of a cube in which it is seen.
+PARAMETRIC = [
+    ("(cos u cos v, sin u cos v, sin v) for u in [0, 2pi], v in [-pi/2, pi/2]", 1.5),
+    ("((2 + cos v) cos u, (2 + cos v) sin u, sin v) for u in [0, 2pi], v in [0, 2pi]", 3.5),
+    ("(v cos u, v sin u, u) for u in [-3, 3], v in [-3, 3]", 2),
+    (
+        "(sin u cos v sin v, cos u cos v sin v, sin u cos u cos(v)^2) for u in [0, 2pi], "
+        "v in [-pi/2, pi/2]",
+        0.6,
+    ),
+    ("(u v, u, v^2) for u in [-2, 2], v in [-2, 2]", 1),
+    (
+        "(u - u^3/3 + u v^2, -v - u^2 v + v^3/3, u^2 - v^2) for u in [-3, 3], v in [-3, 3]",
+        1,
+    ),
+    ("(v cos u, v sin u, v) for u in [0, 2pi], v in [-2, 2]", 1),
+    ("(cosh v cos u, cosh v sin u, sinh v) for u in [0, 2pi], v in [-2, 2]", 1.5),
+    (
+        "w(u, v) = 2 - cos u cos v; (((3/2) (1 - 2 cos u cos v) + 3 cos u)/w(u, v), "
+        "sqrt(3) sin(u) (2 - 1.5 cos v)/w(u, v), sqrt(3) sin(v) (cos u - 1.5)/w(u, v)) "
+        "for u in [0, 2pi], v in [0, 2pi]",
+        4,
+    ),
+    ("(cosh v cos u, cosh v sin u, v) for u in [0, 2pi], v in [-2, 2]", 1.5),
+]
+EYES = [
+    [0.3, -0.8, 0.5], [1.0, 0.1, 0.2], [-0.4, 0.7, -0.6], [0.0, 0.0, 1.0],
+    [1.0, 0.0, 0.0], [-0.5, -0.5, 0.1], [0.2, 0.9, 0.9], [-0.8, 0.05, 0.3],
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("number", range(len(PARAMETRIC)))
+def test_claims_of_parametric_surfaces_are_confirmed(program, tmp_path, number):
+    """ZEROSET_CASES is the number of rays in a row. With 60, all views are checked."""
+    text, half = PARAMETRIC[number]
+    side = cases(10)
+    for eye in EYES if side > 10 else [EYES[number % len(EYES)]]:
+        size = sum(one * one for one in eye) ** 0.5
+        at = ",".join(repr(4 * half * one / size) for one in eye)
+        up = "0,1,0" if eye[2] == 1.0 else "0,0,1"
+        view = [f"--domain={half}", f"--eye={at}", f"--up={up}", "--target=0,0,0", "--fov=40"]
+        found, said = counts(claimed(program, tmp_path, text, str(side), *view))
+        print(found)
+        assert found["refuted"] == found["not decided"] == 0, said
+        # Along two sides, the rays of the diagonals touch the umbrella or the cone exactly.
+        assert found["confirmed"] >= 0.96 * side**2, said
 
 
 def test_false_claims_are_refuted(program, tmp_path):
