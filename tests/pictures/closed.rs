@@ -4,7 +4,6 @@
 //! A long run: `ZEROSET_CASES=1000000 cargo test --test all slips -- --nocapture`.
 
 use glam::DVec3;
-use std::f64::INFINITY;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use zeroset_scene::program::Program;
 use zeroset_scene::view::bounds;
@@ -142,7 +141,8 @@ impl Closed {
 
 /// Follows rays, and returns the number of hits among them.
 fn hits(tracer: &dyn Tracer, rays: &[(Ray, f64)], text: &str) -> usize {
-    let segment = |(ray, _): &(Ray, f64)| Segment { ray: *ray, to: INFINITY, pixel: [0.0, 1e-3] };
+    let segment =
+        |(ray, _): &(Ray, f64)| Segment { ray: *ray, to: f64::INFINITY, pixel: [0.0, 1e-3] };
     let segments: Vec<Segment> = rays.iter().map(segment).collect();
     let mut found = vec![RayResult::MISS; rays.len()];
     tracer.follow(&segments, Start::Anywhere, &mut found, &mut KernelStats::default());
