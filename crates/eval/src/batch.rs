@@ -388,6 +388,24 @@ impl<T: Real> Segments<T> {
 }
 
 impl Patches<f64> {
+    /// Sets a lane to that of another batch.
+    pub fn copy_lane(&mut self, lane: usize, other: &Self, from: usize) {
+        for axis in 0..3 {
+            self.centre[axis].0[lane] = other.centre[axis].0[from];
+            self.along_u[axis].0[lane] = other.along_u[axis].0[from];
+            self.along_v[axis].0[lane] = other.along_v[axis].0[from];
+            self.error[axis].0[lane] = other.error[axis].0[from];
+        }
+        for axis in 0..2 {
+            self.middle[axis].0[lane] = other.middle[axis].0[from];
+            self.half[axis].0[lane] = other.half[axis].0[from];
+        }
+        let bit = |set: u16, from: usize| (set >> from & 1) << lane;
+        let others = !(1 << lane);
+        self.nowhere = self.nowhere & others | bit(other.nowhere, from);
+        self.continuous = self.continuous & others | bit(other.continuous, from);
+    }
+
     /// Bounds of a coordinate over the cell of a lane, infinite if nothing is claimed.
     pub fn coordinate(&self, axis: usize, lane: usize) -> [f64; 2] {
         let centre = self.centre[axis][lane];

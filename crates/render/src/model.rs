@@ -19,7 +19,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
-use zeroset_eval::{Assumptions, Boxes, KernelFloat, Kernels, Points, SurfaceKernels};
+use zeroset_eval::{Assumptions, Boxes, KernelFloat, Points, SurfaceKernels};
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph};
 use zeroset_scene::camera::CameraChoice;
@@ -474,7 +474,7 @@ pub fn make_kernels<T: KernelFloat>(
 ) -> Result<(), ProgramError> {
     if let Some(patch) = program.patch(surface) {
         let normals = || match settings.normals {
-            Some(_) if wanted() => Kernels::<T>::gradients(patch).map(drop),
+            Some(_) if wanted() => patch.normals().map(drop),
             Some(_) | None => Ok(()),
         };
         return Ok(patch.tree().map(drop).and_then(|()| normals())?);

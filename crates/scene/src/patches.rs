@@ -4,15 +4,17 @@
 //! functions of a document with three equations would be, over the rectangle of u and v.
 
 mod beside;
+mod normals;
 
 use crate::curves::functions::{kernel, with_constants};
 use crate::curves::moments;
 use crate::program::{Program, ProgramError, constants};
 use beside::Beside;
 use glam::DVec3;
+use normals::Normals;
 use std::sync::{Arc, OnceLock};
 use zeroset_eval::{
-    Assumptions, KernelError, KernelFloat, KernelResult, Kernels, Sample, SampleGradient,
+    Assumptions, Kernel, KernelError, KernelFloat, KernelResult, Kernels, Sample, SampleGradient,
     SurfaceKernels, enclose_all,
 };
 use zeroset_interval::{Facts, Interval};
@@ -33,6 +35,7 @@ pub struct PatchSurface {
     coordinates: Program,
     rectangle: Rectangle,
     tree: OnceLock<Result<Arc<PatchTree>, KernelError>>,
+    normals: OnceLock<Result<Arc<Normals>, KernelError>>,
     beside: OnceLock<Result<Beside, KernelError>>,
 }
 
@@ -60,7 +63,8 @@ impl PatchSurface {
     }
 
     fn of(coordinates: Program, rectangle: Rectangle) -> Self {
-        Self { coordinates, rectangle, tree: OnceLock::new(), beside: OnceLock::new() }
+        let (tree, normals, beside) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
+        Self { coordinates, rectangle, tree, normals, beside }
     }
 
     /// The same surface for the parameters' values of another document. `None` if the code does not
@@ -94,8 +98,24 @@ impl PatchSurface {
         self.tree.get_or_init(make).as_ref().map_err(Arc::clone)
     }
 
+    /// The unit normal, as gradient of a kernel at the points (u, v, 0). NaN where there is none.
+    ///
+    /// # Errors
+    /// If a kernel fails to compile.
+    pub fn normals(&self) -> Result<&dyn Kernel<SampleGradient, f64>, KernelError> {
+        Ok(&**self.shared_normals()?)
+    }
+
+    fn shared_normals(&self) -> Result<&Arc<Normals>, KernelError> {
+        let make = || Normals::new(&self.coordinates, self.rectangle.outer).map(Arc::new);
+        self.normals.get_or_init(make).as_ref().map_err(Arc::clone)
+    }
+
     fn beside(&self) -> Result<&Beside, KernelError> {
-        let make = || Beside::new(Arc::clone(self.tree()?), &self.coordinates);
+        let make = || {
+            let (tree, normals) = (Arc::clone(self.tree()?), Arc::clone(self.shared_normals()?));
+            Ok(Beside { tree, normals })
+        };
         self.beside.get_or_init(make).as_ref().map_err(Arc::clone)
     }
 }

@@ -37,6 +37,9 @@ pub enum NormalSource<'a, T: Real = f32> {
         /// Whether `double` is used for all points, since floats of `T` are too coarse for them.
         everywhere: bool,
     },
+    /// The exact derivative at u and v: [`GBuffer::parameters`], which must be kept. The kernel's
+    /// points have u and v as their first two coordinates.
+    Parametric(&'a (dyn Kernel<SampleGradient, f64> + 'a)),
     /// Central differences of values one step to either side on each axis, as in Knoll et al. 2007.
     Central(&'a (dyn Kernel<Sample, T> + 'a)),
 }
@@ -263,6 +266,8 @@ impl<T: Real> NormalSource<'_, T> {
                 kernel.eval_all(&batches).iter().flat_map(|out| *out.value).collect(),
                 &mut work.point,
             ),
+            // No function of x, y and z.
+            Self::Parametric(_) => return vec![T::nearest(f64::NAN); LANES * batches.len()],
         };
         for batch in &batches {
             count.called(batch.count);

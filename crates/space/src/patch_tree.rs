@@ -17,6 +17,10 @@ pub type PatchCell = [[f64; 2]; 2];
 /// The error of a cell is large if it is above this share of the cell's extent.
 const ROUGH: f64 = 0.5;
 
+/// Each range of a cell of the tree is longer than its part of the rectangle, by this share of its
+/// length on either side. A zero near a border lies well inside a cell, where it can be proven.
+const OVERLAP: f64 = 1.0 / 32.0;
+
 /// Per axis, the lowest and the highest coordinate.
 pub type Bounds = [[f64; 2]; 3];
 
@@ -64,7 +68,7 @@ impl PatchTree {
 
     /// The node of the whole rectangle.
     pub fn root(&self) -> &PatchNode {
-        self.root.get_or_init(|| Box::new(self.divide(self.outer, COLUMNS)))
+        self.root.get_or_init(|| Box::new(self.divide_with(OVERLAP, self.outer, COLUMNS)))
     }
 
     /// The node of a cell.
@@ -72,7 +76,7 @@ impl PatchTree {
     /// # Panics
     /// If there is no such cell.
     pub fn part<'a>(&self, node: &'a PatchNode, lane: usize) -> &'a PatchNode {
-        let divide = || self.divide(node.cell(lane), self.columns(node, lane));
+        let divide = || self.divide_with(OVERLAP, node.cell(lane), self.columns(node, lane));
         node.parts[lane].get_or_init(|| Box::new(divide()))
     }
 
@@ -93,11 +97,20 @@ impl PatchTree {
 
     /// Divides a cell into [`LANES`] cells, in this number of [`columns`].
     pub fn divide(&self, whole: PatchCell, columns: usize) -> PatchNode {
+        self.divide_with(0.0, whole, columns)
+    }
+
+    fn divide_with(&self, overlap: f64, whole: PatchCell, columns: usize) -> PatchNode {
         let (cells, parts) = (Patches::default(), Default::default());
         let mut node = PatchNode { cells, whole, columns, parts };
         let mut boxes = empty(LANES as u32);
         for lane in 0..LANES {
-            set(&mut boxes, lane, node.cell(lane));
+            let mut cell = node.cell(lane);
+            for (range, [least, most]) in cell.iter_mut().zip(self.outer) {
+                let more = overlap * (range[1] - range[0]);
+                *range = [(range[0] - more).max(least), (range[1] + more).min(most)];
+            }
+            set(&mut boxes, lane, cell);
         }
         self.kernel.eval(&boxes, &mut node.cells);
         node

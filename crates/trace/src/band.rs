@@ -22,6 +22,8 @@ pub struct Band<'a> {
     pub(crate) open_from: &'a mut [f64],
     pub(crate) drawn: &'a mut [f64],
     pub(crate) bracket: &'a mut [[f64; 2]],
+    /// Empty if u and v are not kept.
+    pub(crate) parameters: &'a mut [[f32; 2]],
     pub(crate) uneven: &'a mut [bool],
     /// Whether each pixel is wanted, row by row. If empty, all are wanted.
     pub(crate) only: &'a [bool],
@@ -133,6 +135,9 @@ impl Band<'_> {
         }
         if let Some(bracket) = self.bracket.get_mut(pixel) {
             *bracket = found.bracket;
+        }
+        if let Some(parameters) = self.parameters.get_mut(pixel) {
+            *parameters = found.parameters;
         }
     }
 

@@ -76,6 +76,9 @@ pub struct GBuffer {
     /// Distance of the painted point from the ray's origin, in world units. Infinite if nothing is
     /// painted, as in every miss. Finite in every hit. With `f32` kernels, about 24 bits are right.
     pub drawn: Vec<f64>,
+    /// Approximate values of u and v at a painted point of a parametric surface. Meaningless for
+    /// other pixels. Empty if no surface is parametric.
+    pub parameters: Vec<[f32; 2]>,
     /// Whether the direction of the gradient may change between the painted point of a hit and its
     /// zero, as near a multiple zero. Then the gradient at the painted point is no good normal.
     pub uneven: Vec<bool>,
@@ -96,6 +99,7 @@ pub struct GBuffer {
 
 /// Optional quantities that a picture keeps.
 #[derive(Clone, Copy, Debug)]
+#[allow(clippy::struct_excessive_bools, reason = "each is an array of its own")]
 pub struct Kept {
     /// Whether normals are kept: [`GBuffer::normal`].
     pub normals: bool,
@@ -103,12 +107,14 @@ pub struct Kept {
     pub brackets: bool,
     /// Whether caps are kept: [`GBuffer::cap`].
     pub caps: bool,
+    /// Whether u and v are kept: [`GBuffer::parameters`].
+    pub parameters: bool,
 }
 
 impl Default for Kept {
     /// Keeps normals only.
     fn default() -> Self {
-        Self { normals: true, brackets: false, caps: false }
+        Self { normals: true, brackets: false, caps: false, parameters: false }
     }
 }
 
@@ -230,6 +236,7 @@ impl GBuffer {
         resize(&mut self.uneven, pixels, false);
         resize(&mut self.normal, if kept.normals { pixels } else { 0 }, [0.0; 3]);
         resize(&mut self.cap, if kept.caps { pixels } else { 0 }, false);
+        resize(&mut self.parameters, if kept.parameters { pixels } else { 0 }, [0.0; 2]);
         self.shadow.clear();
         self.occlusion.clear();
     }
@@ -259,6 +266,9 @@ impl GBuffer {
         }
         if let Some(bracket) = self.bracket.get_mut(pixel) {
             *bracket = found.bracket;
+        }
+        if let Some(parameters) = self.parameters.get_mut(pixel) {
+            *parameters = found.parameters;
         }
     }
 
@@ -302,6 +312,11 @@ impl GBuffer {
         self.cap.resize(self.status.len(), false);
     }
 
+    /// Adds an array for u and v, unless there is one.
+    pub fn keep_parameters(&mut self) {
+        self.parameters.resize(self.status.len(), [0.0; 2]);
+    }
+
     /// Removes all rows but `rows`.
     ///
     /// # Panics
@@ -319,6 +334,7 @@ impl GBuffer {
         keep(&mut self.bracket, pixels);
         keep(&mut self.open_from, pixels);
         keep(&mut self.drawn, pixels);
+        keep(&mut self.parameters, pixels);
         keep(&mut self.uneven, pixels);
         self.surface.crop(pixels);
         keep(&mut self.normal, pixels);
@@ -458,12 +474,13 @@ impl GBuffer {
         self.uneven[pixel] = other.uneven[own];
         self.surface.set(pixel, other.surface[own], self.status.len());
         take(self.normal.get_mut(pixel), other.normal.get(own));
+        take(self.parameters.get_mut(pixel), other.parameters.get(own));
         take(self.cap.get_mut(pixel), other.cap.get(own));
         take(self.shadow.get_mut(pixel), other.shadow.get(own));
         take(self.occlusion.get_mut(pixel), other.occlusion.get(own));
     }
 
-    /// Adds arrays for caps, shadow and occlusion if `other` has them.
+    /// Adds arrays for u and v, caps, shadow and occlusion if `other` has them.
     pub fn keep_as(&mut self, other: &Self) {
         fn room<T: Copy + Default>(all: &mut Vec<T>, others: &[T], pixels: usize) {
             if !others.is_empty() {
@@ -471,6 +488,7 @@ impl GBuffer {
             }
         }
         let pixels = self.status.len();
+        room(&mut self.parameters, &other.parameters, pixels);
         room(&mut self.cap, &other.cap, pixels);
         room(&mut self.shadow, &other.shadow, pixels);
         room(&mut self.occlusion, &other.occlusion, pixels);

@@ -96,6 +96,8 @@ pub struct RayResult {
     pub reason: UndecidedReason,
     /// Bracket of a hit: the ray's first zero is proven to lie in it. NaN for other rays.
     pub bracket: [f64; 2],
+    /// For a painted point of a parametric surface, approximate values of u and v. Else 0.
+    pub parameters: [f32; 2],
 }
 
 impl RayResult {
@@ -106,6 +108,7 @@ impl RayResult {
         drawn: f64::INFINITY,
         reason: UndecidedReason::None,
         bracket: [f64::NAN; 2],
+        parameters: [0.0; 2],
     };
 
     /// Returns whether the result is a miss.

@@ -27,6 +27,8 @@ pub struct Rows<'a> {
     pub(crate) bracket: &'a mut [[f64; 2]],
     pub(crate) open_from: &'a mut [f64],
     pub(crate) drawn: &'a mut [f64],
+    /// Empty if u and v are not kept.
+    pub(crate) parameters: &'a mut [[f32; 2]],
     pub(crate) uneven: &'a mut [bool],
     /// Ids of the painted surfaces; meaningless for other pixels.
     pub(crate) surface: SurfaceIdSlice<'a>,
@@ -45,6 +47,8 @@ pub struct Columns<'a> {
     pub status: &'a [Status],
     /// Distances of painted points: [`GBuffer::drawn`].
     pub drawn: &'a [f64],
+    /// Values of u and v: [`GBuffer::parameters`]; may be empty.
+    pub parameters: &'a [[f32; 2]],
     /// Whether gradients change near painted points: [`GBuffer::uneven`].
     pub uneven: &'a [bool],
     /// Ids of painted surfaces: [`GBuffer::surface`].
@@ -68,6 +72,7 @@ impl GBuffer {
         Columns {
             status: &self.status[pixels.clone()],
             drawn: &self.drawn[pixels.clone()],
+            parameters: self.parameters.get(pixels.clone()).unwrap_or_default(),
             uneven: &self.uneven[pixels.clone()],
             surface: self.surface.part(pixels.clone()),
             normal: &self.normal[pixels.clone()],
@@ -101,6 +106,7 @@ impl GBuffer {
         let mut reason = self.reason.chunks_mut(size);
         let mut open_from = self.open_from.chunks_mut(size);
         let mut drawn = self.drawn.chunks_mut(size);
+        let mut parameters = self.parameters.chunks_mut(size);
         let mut uneven = self.uneven.chunks_mut(size);
         let surface = &self.surface;
         let mut normal = self.normal.chunks_mut(size);
@@ -115,6 +121,7 @@ impl GBuffer {
             bracket: bracket.next().unwrap_or_default(),
             open_from: open_from.next().unwrap_or_default(),
             drawn: drawn.next().unwrap_or_default(),
+            parameters: parameters.next().unwrap_or_default(),
             uneven: uneven.next().unwrap_or_default(),
             surface: surface.part(part * size..pixels.min((part + 1) * size)),
             normal: normal.next().unwrap_or_default(),
@@ -223,6 +230,7 @@ impl Rows<'_> {
         let columns = Columns {
             status: self.status,
             drawn: self.drawn,
+            parameters: self.parameters,
             uneven: self.uneven,
             surface: self.surface,
             normal: &[],
@@ -256,6 +264,7 @@ impl Rows<'_> {
             open_from: &mut *self.open_from,
             drawn: &mut *self.drawn,
             bracket: &mut *self.bracket,
+            parameters: &mut *self.parameters,
             uneven: &mut *self.uneven,
             only,
             before,

@@ -142,6 +142,7 @@ impl<T: KernelFloat> Edges<'_, T> {
             }
             let target = if near.is_empty() { &mut *all } else { &mut *layer };
             target.reset(rays.width(), rays.height(), 0);
+            self.pass.make_room(*surface, target);
             let mut own = Cow::Borrowed(&only);
             if !places.iter().all(shows) {
                 let rays = self.pattern.rays();

@@ -136,7 +136,11 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             }
             let rays = &known.rays(all.rays);
             let only = known.part(all.only, all.rays.width());
-            let new = || GBuffer::new(rays.width(), rays.height(), 0).with_brackets();
+            let new = || {
+                let mut layer = GBuffer::new(rays.width(), rays.height(), 0).with_brackets();
+                self.make_room(surface, &mut layer);
+                layer
+            };
             let mut layer = new();
             self.find(surface, &**tracer, rays, &only, &mut layer, &wanted)?;
             for point in 1.. {

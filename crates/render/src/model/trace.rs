@@ -195,6 +195,13 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         is_own.then(|| Fallback { method: &PATCH, why: "it is given by parameters".to_owned() })
     }
 
+    /// Adds the arrays to a layer that the surface needs.
+    pub fn make_room(&self, surface: usize, layer: &mut GBuffer) {
+        if self.model.program.patch(surface).is_some() {
+            layer.keep_parameters();
+        }
+    }
+
     /// Traces a surface along the rays selected by `only`, or along all if that is empty.
     pub fn find(
         &self,
@@ -243,9 +250,8 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         let kernels = self.model.program.kernels::<T>(surface);
         Ok(match self.settings.normals {
             None => None,
-            // Its kernel computes in 64 bits always.
-            Some(_) if self.model.program.patch(surface).is_some() => {
-                Some(NormalSource::Gradient(kernels.gradients()?))
+            Some(_) if let Some(patch) = self.model.program.patch(surface) => {
+                Some(NormalSource::Parametric(patch.normals()?))
             }
             Some(Normals::Gradient) if self.settings.options.precision == Precision::Auto => {
                 let (region, kernel) = (&self.model.region, kernels.gradients()?);
@@ -390,6 +396,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
                 // Layers of several surfaces are merged by their brackets.
                 brackets: settings.brackets || !is_one,
                 caps: caps.is_some(),
+                parameters: model.program.patch(surface).is_some(),
             };
             if !is_whole && picture.is_none() {
                 let blank = GBuffer::of_nothing(width, height);

@@ -2,21 +2,19 @@
 //!
 //! Everything is computed in floats rounded to nearest. No proof depends on it.
 
-use crate::program::Program;
+use super::normals::{Normals, Spot};
 use glam::DVec3;
 use std::sync::Arc;
 use zeroset_eval::{
-    Gradients, Kernel, KernelError, KernelFloat, LANES, Lanes, Patches, Points, Sample,
-    SampleGradient, Values,
+    Gradients, Kernel, KernelFloat, LANES, Lanes, Patches, Points, Sample, SampleGradient, Values,
 };
 use zeroset_space::{PatchNode, PatchTree};
 
 /// The function that is the signed distance from the surface near it, with the surface's unit
 /// normal as gradient. The normal is the cross product of the derivatives with respect to u and v.
 pub(super) struct Beside {
-    tree: Arc<PatchTree>,
-    /// Each coordinate and its derivatives, as functions of u and v.
-    coordinates: [Box<dyn Kernel<SampleGradient, f64>>; 3],
+    pub tree: Arc<PatchTree>,
+    pub normals: Arc<Normals>,
 }
 
 /// Rounds of Newton's method.
@@ -31,64 +29,13 @@ const DEPTH: u32 = 6;
 const NODES: u32 = 4096;
 /// Largest number of cells in which Newton's method begins, for one point.
 const STARTS: usize = 4;
-/// How far a normal is taken beside a point without one, as a share of the ranges of u and v.
-const NUDGE: f64 = 1e-4;
-/// A normal is too short if its square is below this share of that of the derivatives' lengths.
-const SHORT: f64 = 1e-14;
-
-/// A point of the surface, with its derivatives.
-#[derive(Clone, Copy, Debug, Default)]
-struct Spot {
-    uv: [f64; 2],
-    at: DVec3,
-    along_u: DVec3,
-    along_v: DVec3,
-}
-
-impl Spot {
-    fn normal(&self) -> DVec3 {
-        self.along_u.cross(self.along_v)
-    }
-
-    fn has_normal(&self) -> bool {
-        let sizes = self.along_u.length_squared() + self.along_v.length_squared();
-        self.normal().length_squared() > SHORT * sizes * sizes
-    }
-}
-
 impl Beside {
-    /// # Errors
-    /// If a kernel fails to compile.
-    pub fn new(tree: Arc<PatchTree>, coordinates: &Program) -> Result<Self, KernelError> {
-        let [x, y, z] = [0, 1, 2].map(|axis| coordinates.gradient_kernel(axis));
-        Ok(Self { tree, coordinates: [x?, y?, z?] })
-    }
-
-    /// The points of the surface at parameters.
-    fn spots(&self, places: &[[f64; 2]]) -> Vec<Spot> {
-        let inputs: Vec<[f64; 3]> = places.iter().map(|[u, v]| [*u, *v, 0.0]).collect();
-        let batches = Points::near(&inputs);
-        let outputs = self.coordinates.each_ref().map(|kernel| kernel.eval_all(&batches));
-        let [x, y, z] = &outputs;
-        let spot = |(k, uv): (usize, &[f64; 2])| {
-            let (batch, lane) = (k / LANES, k % LANES);
-            let [x, y, z] = [&x[batch], &y[batch], &z[batch]];
-            let along = |symbol: usize| {
-                let [x, y, z] = [&x.gradient, &y.gradient, &z.gradient];
-                DVec3::new(x[symbol][lane], y[symbol][lane], z[symbol][lane])
-            };
-            let at = DVec3::new(x.value[lane], y.value[lane], z.value[lane]);
-            Spot { uv: *uv, at, along_u: along(0), along_v: along(1) }
-        };
-        places.iter().enumerate().map(spot).collect()
-    }
-
     /// By Newton's method, the points of the surface nearest to each of `points`, from a start for
     /// each.
     fn refined(&self, points: &[DVec3], starts: Vec<[f64; 2]>) -> Vec<Spot> {
         let outer = self.tree.outer();
         let mut places = starts;
-        let mut spots = self.spots(&places);
+        let mut spots = self.normals.spots(&places);
         for _ in 0..ROUNDS {
             let mut is_near = true;
             for ((place, spot), point) in places.iter_mut().zip(&spots).zip(points) {
@@ -101,7 +48,7 @@ impl Beside {
                     }
                 }
             }
-            spots = self.spots(&places);
+            spots = self.normals.spots(&places);
             if is_near {
                 break;
             }
@@ -270,19 +217,7 @@ impl<T: KernelFloat> Kernel<SampleGradient, T> for Beside {
             .map(|lane| DVec3::from_array(input.at.each_ref().map(|axis| axis[lane].into())))
             .collect();
         let mut spots = self.nearest(&points);
-        let outer = self.tree.outer();
-        // At a pole of the parameters, such as those of a sphere, the normal is that beside it.
-        let poles: Vec<usize> = (0..spots.len()).filter(|k| !spots[*k].has_normal()).collect();
-        let towards_middle = |k: &usize| {
-            [0, 1].map(|axis| {
-                let ([low, high], at) = (outer[axis], spots[*k].uv[axis]);
-                at + NUDGE * (0.5 * (low + high) - at)
-            })
-        };
-        let moved: Vec<[f64; 2]> = poles.iter().map(towards_middle).collect();
-        for (k, spot) in poles.iter().zip(self.spots(&moved)) {
-            spots[*k] = Spot { at: spots[*k].at, ..spot };
-        }
+        self.normals.fill_poles(&mut spots);
         for (lane, (spot, point)) in spots.iter().zip(&points).enumerate() {
             let normal = spot.normal().normalize_or(DVec3::NAN);
             output.value[lane] = T::nearest(normal.dot(*point - spot.at));

@@ -36,11 +36,18 @@ impl<T: Real> NormalSource<'_, T> {
         if let Self::Refined { double, everywhere: true, .. } = self
             && let Ok(kernel) = double.gradients()
         {
-            return BandGradients { kernel, rays, seen, normals, canvas, open: Vec::new(), work }
+            let (places, open) = (Places::Painted, Vec::new());
+            return BandGradients { kernel, places, rays, seen, normals, canvas, open, work }
+                .found(windows);
+        }
+        if let Self::Parametric(kernel) = *self {
+            let (places, open) = (Places::Parameters, Vec::new());
+            return BandGradients { kernel, places, rays, seen, normals, canvas, open, work }
                 .found(windows);
         }
         if let Self::Gradient(kernel) | Self::Refined { kernel, .. } = *self {
-            return BandGradients { kernel, rays, seen, normals, canvas, open: Vec::new(), work }
+            let (places, open) = (Places::Painted, Vec::new());
+            return BandGradients { kernel, places, rays, seen, normals, canvas, open, work }
                 .found(windows);
         }
         if let Some(canvas) = canvas {
@@ -65,8 +72,18 @@ fn caps(seen: &ShadingInput<'_>, window: PixelWindow) -> u32 {
     bits(|lane| cap[lane])
 }
 
+/// Where a kernel is evaluated.
+#[derive(Clone, Copy, PartialEq)]
+enum Places {
+    /// At painted points.
+    Painted,
+    /// At u and v of painted points.
+    Parameters,
+}
+
 struct BandGradients<'a, 'c, 'n, T: Real> {
     kernel: &'a dyn Kernel<SampleGradient, T>,
+    places: Places,
     rays: &'a RayGrid,
     /// All quantities of the rows except their normals.
     seen: &'a ShadingInput<'a>,
@@ -239,6 +256,16 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
         ways: &RayDirections<S>,
         points: &mut Points<T>,
     ) {
+        points.count = window.count();
+        if self.places == Places::Parameters {
+            let mut spare = [[0.0; 2]; LANES];
+            let parameters = window.load(self.seen.columns.parameters, &mut spare);
+            for (lane, [u, v]) in parameters.iter().enumerate() {
+                points.at[0][lane] = T::nearest(f64::from(*u));
+                points.at[1][lane] = T::nearest(f64::from(*v));
+            }
+            return;
+        }
         let mut spare = ([Status::Miss; LANES], [0.0; LANES]);
         let status = window.load(self.seen.columns.status, &mut spare.0);
         let mut distances = window.load(self.seen.columns.drawn, &mut spare.1);
@@ -255,7 +282,6 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
             }
             Format::F32 | Format::F64 => write(&self.rays.points(simd, window, distances), points),
         }
-        points.count = window.count();
     }
 }
 

@@ -313,7 +313,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         const POINTS: usize = 8;
         /// Least share of negative values, among values with a sign.
         const MOST: f64 = 0.75;
-        if self.model.styles[surface].is_solid {
+        // A parametric surface has no inside.
+        if self.model.styles[surface].is_solid || self.model.program.patch(surface).is_some() {
             return false;
         }
         let kernels = self.model.program.kernels::<T>(surface);

@@ -32,6 +32,7 @@
 //! where |U| ≤ 1. If they lie within −1 to 1, they hold for T, too: they include eight times the
 //! rounding of D, relative to D. So D has an error of at most an eighth, and T is at most 8/7.
 
+use crate::method::Segment;
 use fearless_simd::Simd;
 use glam::DVec3;
 use zeroset_eval::{LANES, LaneSet, Lanes, Patches};
@@ -53,7 +54,7 @@ const UNDERFLOW: f64 = 1e-290;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Beam {
     /// The axes in the order i, j, k.
-    axes: [usize; 3],
+    pub axes: [usize; 3],
     origin: [f64; 3],
     direction: [f64; 3],
     /// Largest distance of a ray's origin, per axis; 0 for one ray.
@@ -63,35 +64,106 @@ pub(super) struct Beam {
 }
 
 impl Beam {
-    /// The beam of one ray, with `main` as the axis k. The direction's component must not be 0.
-    pub fn along(ray: &Ray, main: usize) -> Self {
-        let axes = [(main + 1) % 3, (main + 2) % 3, main];
+    /// The beam of one ray, with axes in this order. The direction's component on the last must not
+    /// be 0.
+    pub fn along(ray: &Ray, axes: [usize; 3]) -> Self {
         let in_order = |vector: DVec3| axes.map(|axis| vector[axis]);
         let (origin, direction) = (in_order(ray.origin), in_order(ray.direction));
         Self { axes, origin, direction, origin_spread: [0.0; 3], direction_spread: [0.0; 3] }
     }
 
-    /// A beam that holds all `rays`. `None` if they have different axes k, or spread too far.
-    pub fn around(rays: &[Self]) -> Option<Self> {
-        let mut beam = *rays.first()?;
-        if rays.iter().any(|ray| ray.axes != beam.axes) {
-            return None;
-        }
-        let middle = |of: fn(&Self) -> [f64; 3], axis: usize| {
-            let ends = rays.iter().map(|ray| of(ray)[axis]);
-            let low = ends.clone().fold(f64::INFINITY, f64::min);
-            let high = ends.fold(f64::NEG_INFINITY, f64::max);
-            let middle = 0.5 * (low + high);
-            // Rounded up, since the middle and the differences are rounded.
-            [middle, (high - middle).max(middle - low) * (1.0 + SLACK) + SLACK * middle.abs()]
-        };
+    /// A beam that holds two with the same axes. `None` if it spreads too far.
+    pub fn of_both((one, other): (Self, Self)) -> Option<Self> {
+        let (mut origin, mut direction) = (Ends::default(), Ends::default());
         for axis in 0..3 {
-            [beam.origin[axis], beam.origin_spread[axis]] = middle(|ray| ray.origin, axis);
-            [beam.direction[axis], beam.direction_spread[axis]] = middle(|ray| ray.direction, axis);
+            let hull = |a: f64, a_spread: f64, b: f64, b_spread: f64| {
+                // Rounded outward.
+                let slack = SLACK * (a.abs() + b.abs() + a_spread + b_spread);
+                let low = (a - a_spread).min(b - b_spread) - slack;
+                (low, (a + a_spread).max(b + b_spread) + slack)
+            };
+            (origin.low[axis], origin.high[axis]) = hull(
+                one.origin[axis],
+                one.origin_spread[axis],
+                other.origin[axis],
+                other.origin_spread[axis],
+            );
+            (direction.low[axis], direction.high[axis]) = hull(
+                one.direction[axis],
+                one.direction_spread[axis],
+                other.direction[axis],
+                other.direction_spread[axis],
+            );
         }
-        let main = beam.direction[2].abs();
-        beam.direction_spread.iter().all(|spread| *spread <= 0.25 * main).then_some(beam)
+        Self::between(one.axes, &origin, &direction)
     }
+
+    /// The beam of all rays whose components lie between these. `None` if it spreads too far.
+    fn between(axes: [usize; 3], origin: &Ends, direction: &Ends) -> Option<Self> {
+        let (origin, origin_spread) = origin.middle();
+        let (direction, direction_spread) = direction.middle();
+        let [i, j, k] = direction_spread;
+        let is_narrow = i.max(j).max(k) <= 0.25 * direction[2].abs();
+        is_narrow.then_some(Self { axes, origin, direction, origin_spread, direction_spread })
+    }
+
+    /// The lanes in which some ray of the beam may meet the cell, and a lower bound of the t ≥ 0 at
+    /// which it does.
+    #[inline(always)]
+    pub fn meets<S: Simd>(&self, _: S, cells: &CellView<'_>) -> (LaneSet, Lanes<f64>) {
+        let (mut possible, mut from) = (Lanes::splat(0.0), Lanes::splat(0.0));
+        for lane in 0..LANES {
+            let cell = cells.lane(lane);
+            possible.0[lane] = if linear_equations(self, &cell).is_possible { 1.0 } else { 0.0 };
+            from.0[lane] = least_t(self, &cell);
+        }
+        let mut lanes = 0;
+        for lane in 0..LANES {
+            lanes |= LaneSet::from(possible.0[lane] > 0.0) << lane;
+        }
+        (lanes, from)
+    }
+}
+
+/// The lowest and the highest of some vectors' components.
+#[derive(Default)]
+struct Ends {
+    low: [f64; 3],
+    high: [f64; 3],
+}
+
+impl Ends {
+    #[inline(always)]
+    fn of(vectors: &[Lanes<f64>; 3]) -> Self {
+        let mut ends = Self::default();
+        for (axis, all) in vectors.iter().enumerate() {
+            let (mut low, mut high) = (all.0[0], all.0[0]);
+            for component in all.0 {
+                (low, high) = (smaller(component, low), larger(component, high));
+            }
+            (ends.low[axis], ends.high[axis]) = (low, high);
+        }
+        ends
+    }
+
+    /// The middle, and the largest distance from it.
+    fn middle(&self) -> ([f64; 3], [f64; 3]) {
+        let (mut middles, mut spreads) = ([0.0; 3], [0.0; 3]);
+        for axis in 0..3 {
+            let (low, high) = (self.low[axis], self.high[axis]);
+            let middle = 0.5 * (low + high);
+            middles[axis] = middle;
+            // Rounded up, since the middle and the differences are rounded.
+            let spread = (high - middle).max(middle - low);
+            spreads[axis] = spread * (1.0 + SLACK) + SLACK * middle.abs();
+        }
+        (middles, spreads)
+    }
+}
+
+/// The axes i, j, k.
+pub(super) fn axes(main: usize) -> [usize; 3] {
+    [(main + 1) % 3, (main + 2) % 3, main]
 }
 
 /// The axis of a direction's largest component.
@@ -102,7 +174,7 @@ pub(super) fn main_axis(direction: DVec3) -> usize {
 
 /// The surface over one cell, in the order of a beam's axes.
 #[derive(Clone, Copy, Debug)]
-struct CellShape {
+pub(super) struct CellShape {
     centre: [f64; 3],
     along_u: [f64; 3],
     along_v: [f64; 3],
@@ -110,8 +182,9 @@ struct CellShape {
 }
 
 impl CellShape {
+    /// The shape of the cell in a lane.
     #[inline(always)]
-    fn new(cells: &Patches<f64>, axes: [usize; 3], lane: usize) -> Self {
+    pub fn new(cells: &Patches<f64>, axes: [usize; 3], lane: usize) -> Self {
         Self {
             centre: of_lane(&cells.centre, axes, lane),
             along_u: of_lane(&cells.along_u, axes, lane),
@@ -127,27 +200,85 @@ fn of_lane(all: &[Lanes<f64>; 3], [i, j, k]: [usize; 3], lane: usize) -> [f64; 3
     [all[i].0[lane], all[j].0[lane], all[k].0[lane]]
 }
 
+/// The values on three axes, in this order.
+#[inline(always)]
+fn in_order(all: &[Lanes<f64>; 3], [i, j, k]: [usize; 3]) -> [&Lanes<f64>; 3] {
+    [&all[i], &all[j], &all[k]]
+}
+
+/// The shapes of [`LANES`] cells, in the order of a beam's axes, where they are stored.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CellView<'a> {
+    centre: [&'a Lanes<f64>; 3],
+    along_u: [&'a Lanes<f64>; 3],
+    along_v: [&'a Lanes<f64>; 3],
+    error: [&'a Lanes<f64>; 3],
+}
+
+impl<'a> CellView<'a> {
+    /// The shapes of cells.
+    #[inline(always)]
+    pub fn new(cells: &'a Patches<f64>, axes: [usize; 3]) -> Self {
+        Self {
+            centre: in_order(&cells.centre, axes),
+            along_u: in_order(&cells.along_u, axes),
+            along_v: in_order(&cells.along_v, axes),
+            error: in_order(&cells.error, axes),
+        }
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> CellShape {
+        let of = |[i, j, k]: [&Lanes<f64>; 3]| [i.0[lane], j.0[lane], k.0[lane]];
+        CellShape {
+            centre: of(self.centre),
+            along_u: of(self.along_u),
+            along_v: of(self.along_v),
+            error: of(self.error),
+        }
+    }
+}
+
 /// Up to [`LANES`] single rays with the same axis k.
 #[derive(Clone, Debug)]
 pub(super) struct BeamLanes {
-    axes: [usize; 3],
+    pub axes: [usize; 3],
     origin: [Lanes<f64>; 3],
     direction: [Lanes<f64>; 3],
 }
 
 impl BeamLanes {
-    /// `None` if the rays have different axes k.
-    pub fn new(rays: &[Beam]) -> Option<Self> {
-        let axes = rays[0].axes;
-        let lanes = |of: fn(&Beam) -> [f64; 3], axis: usize| {
-            // Lanes that are not in use repeat the first ray.
-            Lanes(std::array::from_fn(|lane| of(rays.get(lane).unwrap_or(&rays[0]))[axis]))
-        };
-        rays.iter().all(|ray| ray.axes == axes).then(|| Self {
-            axes,
-            origin: [0, 1, 2].map(|axis| lanes(|ray| ray.origin, axis)),
-            direction: [0, 1, 2].map(|axis| lanes(|ray| ray.direction, axis)),
-        })
+    /// The rays of at most [`LANES`] segments, and at least one. Lanes that are not in use repeat
+    /// the first ray.
+    pub fn new(segments: &[Segment], axes: [usize; 3]) -> Self {
+        let zero = Lanes::splat(0.0);
+        let mut lanes = Self { axes, origin: [zero; 3], direction: [zero; 3] };
+        for lane in 0..LANES {
+            let Ray { origin, direction } = &segments.get(lane).unwrap_or(&segments[0]).ray;
+            for (place, axis) in axes.into_iter().enumerate() {
+                lanes.origin[place].0[lane] = origin[axis];
+                lanes.direction[place].0[lane] = direction[axis];
+            }
+        }
+        lanes
+    }
+
+    /// A beam that holds all rays. `None` if some ray advances less than half as fast along the
+    /// axis k as along another, or they spread too far.
+    #[inline(always)]
+    #[allow(clippy::needless_bitwise_bool, reason = "all lanes at once")]
+    pub fn beam<S: Simd>(&self, _: S) -> Option<Beam> {
+        let [i, j, k] = &self.direction;
+        let mut fast = 0.0;
+        for lane in 0..LANES {
+            let own = 2.0 * k.0[lane].abs();
+            let is_fast = (own >= i.0[lane].abs()) & (own >= j.0[lane].abs());
+            fast += if is_fast { 1.0 } else { 0.0 };
+        }
+        if fast < LANES as f64 {
+            return None;
+        }
+        Beam::between(self.axes, &Ends::of(&self.origin), &Ends::of(&self.direction))
     }
 
     #[inline(always)]
@@ -158,6 +289,110 @@ impl BeamLanes {
             direction: of_lane(&self.direction, [0, 1, 2], lane),
             origin_spread: [0.0; 3],
             direction_spread: [0.0; 3],
+        }
+    }
+}
+
+/// The first meetings of up to [`LANES`] rays with cells.
+#[derive(Clone, Debug)]
+pub(super) struct Firsts {
+    /// Only for t between these may the ray be in the region: for none in lanes that are not in use.
+    within: [Lanes<f64>; 2],
+    /// For all t between these, the ray is in the region.
+    sure: [Lanes<f64>; 2],
+    /// The t at which the first, the second and the third meeting begin at the earliest. Infinite
+    /// if there is none.
+    pub near: [Lanes<f64>; 3],
+    /// Numbers of the cells of the first two meetings.
+    pub cell: [Lanes<f64>; 2],
+    /// A zero in the meeting that ends first of those in which one is proven in the region.
+    pub zero: ZeroLanes,
+}
+
+/// Bounds of zeros on up to [`LANES`] rays.
+#[derive(Clone, Debug)]
+pub(super) struct ZeroLanes {
+    /// The lowest t before which a zero in the region is proven. Infinite if none is.
+    pub far: Lanes<f64>,
+    /// Approximate u and v of that zero.
+    pub parameters: [Lanes<f64>; 2],
+}
+
+impl Default for ZeroLanes {
+    fn default() -> Self {
+        Self { far: Lanes::splat(f64::INFINITY), parameters: [Lanes::splat(0.0); 2] }
+    }
+}
+
+impl Default for Firsts {
+    fn default() -> Self {
+        let (none, zero) = (Lanes::splat(f64::INFINITY), ZeroLanes::default());
+        let within = [none, Lanes::splat(f64::NEG_INFINITY)];
+        Self { within, sure: [none; 2], near: [none; 3], cell: [Lanes::splat(0.0); 2], zero }
+    }
+}
+
+impl Firsts {
+    /// Adds a ray that may be in the region only for t in `within`, and is for all t in `sure`.
+    pub fn add(&mut self, lane: usize, within: [f64; 2], sure: [f64; 2]) {
+        for end in 0..2 {
+            self.within[end].0[lane] = within[end];
+            self.sure[end].0[lane] = sure[end];
+        }
+    }
+
+    /// The t from which on all rays in use have passed a proven zero.
+    pub fn end(&self) -> f64 {
+        let mut end = f64::NEG_INFINITY;
+        for lane in 0..LANES {
+            let is_in_use = self.within[0].0[lane] <= self.within[1].0[lane];
+            end = larger(if is_in_use { self.zero.far.0[lane] } else { end }, end);
+        }
+        end
+    }
+
+    /// Lets all rays meet the cell in a lane. `number` is the cell's. `is_whole` tells whether the
+    /// surface is continuous on the cell, and all of it belongs to the exact rectangle.
+    #[inline(always)]
+    #[allow(clippy::needless_bitwise_bool, reason = "all lanes at once")]
+    pub fn meet<S: Simd>(
+        &mut self,
+        _: S,
+        rays: &BeamLanes,
+        (cells, lane): (&Patches<f64>, usize),
+        number: usize,
+        is_whole: bool,
+    ) {
+        let (cell, number) = (&CellShape::new(cells, rays.axes, lane), number as f64);
+        let whole = if is_whole { 1.0 } else { 0.0 };
+        let (u, v) = (cells.middle[0].0[lane], cells.middle[1].0[lane]);
+        let (half_u, half_v) = (cells.half[0].0[lane], cells.half[1].0[lane]);
+        let [first, second, third] = &mut self.near;
+        let [first_cell, second_cell] = &mut self.cell;
+        let ZeroLanes { far: zero, parameters: [zero_u, zero_v] } = &mut self.zero;
+        for lane in 0..LANES {
+            let meeting = meeting(&rays.lane(lane), cell);
+            let [near, far] = meeting.t;
+            let is_outside = (near > self.within[1].0[lane]) | (far < self.within[0].0[lane]);
+            let is_met = meeting.is_possible & !is_outside;
+            let is_first = is_met & (near < first.0[lane]);
+            let is_second = is_met & !is_first & (near < second.0[lane]);
+            let is_third = is_met & !is_first & !is_second & (near < third.0[lane]);
+            third.0[lane] = if is_third { near } else { third.0[lane] };
+            third.0[lane] = if is_first | is_second { second.0[lane] } else { third.0[lane] };
+            second.0[lane] = if is_second { near } else { second.0[lane] };
+            second.0[lane] = if is_first { first.0[lane] } else { second.0[lane] };
+            second_cell.0[lane] = if is_second { number } else { second_cell.0[lane] };
+            second_cell.0[lane] = if is_first { first_cell.0[lane] } else { second_cell.0[lane] };
+            first.0[lane] = if is_first { near } else { first.0[lane] };
+            first_cell.0[lane] = if is_first { number } else { first_cell.0[lane] };
+            let is_proven = if meeting.is_inside() { whole } else { 0.0 };
+            let is_inside = (near >= self.sure[0].0[lane]) & (far <= self.sure[1].0[lane]);
+            let is_nearest = is_met & is_inside & (is_proven > 0.0) & (far < zero.0[lane]);
+            let (u, v) = (u + half_u * meeting.symbols[0][0], v + half_v * meeting.symbols[1][0]);
+            zero.0[lane] = if is_nearest { far } else { zero.0[lane] };
+            zero_u.0[lane] = if is_nearest { u } else { zero_u.0[lane] };
+            zero_v.0[lane] = if is_nearest { v } else { zero_v.0[lane] };
         }
     }
 }
@@ -179,9 +414,10 @@ pub(super) struct Meeting {
 impl Meeting {
     /// Returns whether the bounds of the symbols lie in the cell.
     #[inline(always)]
+    #[allow(clippy::needless_bitwise_bool, reason = "all lanes at once")]
     pub fn is_inside(&self) -> bool {
         let is_within = |[middle, reach]: [f64; 2]| middle.abs() + reach <= 1.0 - SLACK;
-        self.is_solved && is_within(self.symbols[0]) && is_within(self.symbols[1])
+        self.is_solved & is_within(self.symbols[0]) & is_within(self.symbols[1])
     }
 }
 
@@ -210,21 +446,20 @@ impl Meetings {
 
     /// Where `beam` may meet the cells of all lanes.
     #[inline(always)]
-    pub fn with_cells<S: Simd>(_: S, beam: &Beam, cells: &Patches<f64>) -> Self {
+    pub fn with_cells<S: Simd>(_: S, beam: &Beam, cells: &CellView<'_>) -> Self {
         let mut all = Self::default();
         for lane in 0..LANES {
-            all.set(lane, &meeting(beam, &CellShape::new(cells, beam.axes, lane)));
+            all.set(lane, &meeting(beam, &cells.lane(lane)));
         }
         all
     }
 
-    /// Where each of `rays` may meet the cell of one lane.
+    /// Where the ray of each lane may meet the cell in the same lane.
     #[inline(always)]
-    pub fn with_rays<S: Simd>(_: S, rays: &BeamLanes, cells: &Patches<f64>, lane: usize) -> Self {
-        let shape = CellShape::new(cells, rays.axes, lane);
+    pub fn by_lane<S: Simd>(_: S, rays: &BeamLanes, cells: &CellView<'_>) -> Self {
         let mut all = Self::default();
         for lane in 0..LANES {
-            all.set(lane, &meeting(&rays.lane(lane), &shape));
+            all.set(lane, &meeting(&rays.lane(lane), &cells.lane(lane)));
         }
         all
     }
@@ -244,7 +479,10 @@ impl Meetings {
         Meeting {
             is_possible: self.is_possible[lane] > 0.0,
             is_solved: self.is_solved[lane] > 0.0,
-            symbols: self.symbols.each_ref().map(|ends| [ends[0][lane], ends[1][lane]]),
+            symbols: [
+                [self.symbols[0][0].0[lane], self.symbols[0][1].0[lane]],
+                [self.symbols[1][0].0[lane], self.symbols[1][1].0[lane]],
+            ],
             t: [self.t[0][lane], self.t[1][lane]],
         }
     }
@@ -314,12 +552,22 @@ fn smaller(one: f64, other: f64) -> f64 {
     if one < other { one } else { other }
 }
 
-/// Where the rays of a beam may meet a cell. The code has no branches after it is optimized, so
-/// that a loop over lanes becomes vector instructions.
+/// The solution of a cell's two linear equations.
+#[derive(Clone, Copy)]
+struct Solution {
+    is_possible: bool,
+    is_solved: bool,
+    /// The middle and the reach of the bounds of U and V. −1 to 1 if the equations are not solved.
+    symbols: [[f64; 2]; 2],
+}
+
+/// Solves the linear equations of a cell. The code has no branches after it is optimized, so that a
+/// loop over lanes becomes vector instructions.
 #[inline(always)]
-fn meeting(beam: &Beam, cell: &CellShape) -> Meeting {
+#[allow(clippy::needless_bitwise_bool, reason = "all lanes at once")]
+fn linear_equations(beam: &Beam, cell: &CellShape) -> Solution {
     let (f, g) = (plane_function(beam, cell, 0), plane_function(beam, cell, 1));
-    let is_missed = f.is_beyond() || g.is_beyond();
+    let is_missed = f.is_beyond() | g.is_beyond();
     let determinant = f.a * g.b - g.a * f.b;
     let inverse = 1.0 / determinant;
     let (f_error, g_error) = (f.error + SLACK * f.size, g.error + SLACK * g.size);
@@ -329,17 +577,30 @@ fn meeting(beam: &Beam, cell: &CellShape) -> Meeting {
     let v_reach = (g.a.abs() * f_error + f.a.abs() * g_error) * inverse.abs();
     let u_reach = u_reach * (1.0 + SLACK) + SLACK * (1.0 + u.abs());
     let v_reach = v_reach * (1.0 + SLACK) + SLACK * (1.0 + v.abs());
-    let is_solved =
-        determinant.abs() > LEAST_DETERMINANT && u_reach < f64::INFINITY && v_reach < f64::INFINITY;
+    let is_solved = (determinant.abs() > LEAST_DETERMINANT)
+        & (u_reach < f64::INFINITY)
+        & (v_reach < f64::INFINITY);
     let (u, u_reach) = (if is_solved { u } else { 0.0 }, if is_solved { u_reach } else { 1.0 });
     let (v, v_reach) = (if is_solved { v } else { 0.0 }, if is_solved { v_reach } else { 1.0 });
-    let (u_low, u_high) = (larger(u - u_reach, -1.0), smaller(u + u_reach, 1.0));
-    let (v_low, v_high) = (larger(v - v_reach, -1.0), smaller(v + v_reach, 1.0));
-    let is_outside = u_low > u_high || v_low > v_high;
-    let (u_middle, u_half) = (0.5 * (u_low + u_high), 0.5 * (u_high - u_low));
-    let (v_middle, v_half) = (0.5 * (v_low + v_high), 0.5 * (v_high - v_low));
-    let along =
-        cell.centre[2] - beam.origin[2] + cell.along_u[2] * u_middle + cell.along_v[2] * v_middle;
+    let is_outside = (u.abs() - u_reach > 1.0) | (v.abs() - v_reach > 1.0);
+    let symbols = [[u, u_reach], [v, v_reach]];
+    Solution { is_possible: !(is_missed | is_outside), is_solved, symbols }
+}
+
+/// The middle and the half of the part of bounds, given by middle and reach, that lies between −1
+/// and 1.
+#[inline(always)]
+fn in_cell([middle, reach]: [f64; 2]) -> [f64; 2] {
+    let (low, high) = (larger(middle - reach, -1.0), smaller(middle + reach, 1.0));
+    [0.5 * (low + high), 0.5 * (high - low)]
+}
+
+/// Where the rays of a beam may meet a cell. The code has no branches after it is optimized.
+#[inline(always)]
+fn meeting(beam: &Beam, cell: &CellShape) -> Meeting {
+    let Solution { is_possible, is_solved, symbols } = linear_equations(beam, cell);
+    let ([u, u_half], [v, v_half]) = (in_cell(symbols[0]), in_cell(symbols[1]));
+    let along = cell.centre[2] - beam.origin[2] + cell.along_u[2] * u + cell.along_v[2] * v;
     let reach =
         cell.along_u[2].abs() * u_half + cell.along_v[2].abs() * v_half + spread(beam, cell, 2)[0];
     let t = along / beam.direction[2];
@@ -348,14 +609,29 @@ fn meeting(beam: &Beam, cell: &CellShape) -> Meeting {
     // Also false for NaN.
     let is_known = t - wide <= t + wide;
     Meeting {
-        is_possible: !(is_missed || is_outside),
+        is_possible,
         is_solved,
-        symbols: [[u, u_reach], [v, v_reach]],
+        symbols,
         t: [
             if is_known { t - wide } else { f64::NEG_INFINITY },
             if is_known { t + wide } else { f64::INFINITY },
         ],
     }
+}
+
+/// A lower bound of the t ≥ 0 at which a ray of the beam meets the cell. −∞ if it may be 0.
+#[inline(always)]
+fn least_t(beam: &Beam, cell: &CellShape) -> f64 {
+    let direction = beam.direction[2].abs();
+    let sign = if beam.direction[2] < 0.0 { -1.0 } else { 1.0 };
+    let [error, _] = spread(beam, cell, 2);
+    let reach = cell.along_u[2].abs() + cell.along_v[2].abs() + error;
+    let middle = cell.centre[2] - beam.origin[2];
+    // The slack covers the roundings of these sums and of the quotient.
+    let nearest = sign * middle - reach - SLACK * (middle.abs() + reach);
+    let least = nearest / (direction + beam.direction_spread[2]);
+    // Also false for NaN.
+    if nearest > 0.0 { least * (1.0 - SLACK) } else { f64::NEG_INFINITY }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The search for the first zero of one ray among its candidates.
 
-use super::meeting::{Beam, Meeting, Meetings, with_cell};
+use super::meeting::{Beam, CellView, Meeting, Meetings, with_cell};
 use crate::kernel_stats::KernelStats;
 use crate::method::{Segment, Start};
 use crate::options::TraceOptions;
@@ -19,26 +19,24 @@ const EVALUATION: u32 = 16;
 /// Largest depth of the tree. Deeper cells are evaluated for one ray, and forgotten.
 const DEPTH: u32 = 6;
 /// A cell is narrowed to the bounds of its zeros if they are shorter than this share of it.
-const NARROW: f64 = 0.25;
+const NARROW: f64 = 0.4;
 /// A narrowed cell is wider than the bounds of its zeros by this factor, so that the next bounds
 /// may lie inside it.
-const ROOM: f64 = 2.0;
+const ROOM: f64 = 1.25;
 /// For rays on which the place of a zero does not matter: the length to which brackets are
 /// narrowed, as a share of the ray's length in the region.
-const SHADOW_LENGTH: f64 = 1.0 / 1024.0;
+pub(super) const SHADOW_LENGTH: f64 = 1.0 / 1024.0;
 /// A range of u or v is not divided below this share of its numbers' size.
 const FINEST: f64 = 8.0 * f64::EPSILON;
 
 /// The part of a ray to search, and the result that is wanted.
-pub(super) struct Goal<'a> {
-    segment: &'a Segment,
-    region: &'a Region,
-    /// Bounds of t in the region.
-    within: [f64; 2],
+pub(super) struct Goal {
+    /// Only for t between these may the segment be in the region.
+    pub within: [f64; 2],
+    /// For all t between these, the segment is in the region.
+    pub sure: [f64; 2],
     /// Greatest length of a bracket in t: at t = 0, and its growth per t.
     longest: [f64; 2],
-    /// The same in world units, at the middle of the ray's part in the region.
-    pub longest_distance: f64,
     start: Start,
     effort: u32,
     level: Level,
@@ -75,33 +73,43 @@ pub(super) enum Place<'a> {
 }
 
 impl Candidate<'_> {
+    /// The u and v in the middle of the part.
+    fn middle(&self) -> [f64; 2] {
+        self.part.map(|[low, high]| 0.5 * (low + high))
+    }
+
     /// Returns whether the part of the rectangle is too small to be divided.
     fn is_finest(&self) -> bool {
         self.part.iter().all(|[low, high]| high - low <= FINEST * (low.abs() + high.abs()))
     }
 }
 
-impl<'s> Goal<'s> {
-    /// The goal for a segment that is in the region for t in `within`.
+impl Goal {
+    /// The goal for a segment in a region. `None` if the segment is outside of it. Without a region,
+    /// the segment's ends alone matter.
     pub fn new(
-        segment: &'s Segment,
-        within: [f64; 2],
-        region: &'s Region,
+        segment: &Segment,
+        region: Option<&Region>,
         start: Start,
         options: &TraceOptions,
         level: Level,
-    ) -> Self {
+    ) -> Option<Self> {
+        let (mut within, mut sure) = ([0.0, segment.to], [0.0, segment.to]);
+        if let Some(region) = region {
+            within = segment.within(region)?;
+            let [first, last] = region.inner(&segment.ray);
+            sure = [first.max(0.0), last.min(segment.to)];
+        }
+
         let [first, growth] = segment.pixel;
         let longest = if first.is_finite() {
-            [first, growth].map(|size| options.longest() * size)
+            [options.longest() * first, options.longest() * growth]
         } else {
             // The place of a zero does not matter.
             [SHADOW_LENGTH * (within[1] - within[0]), 0.0]
         };
-        let middle = 0.5 * (within[0] + within[1]);
-        let longest_distance = segment.ray.distance(longest[0] + longest[1] * middle);
         let effort = if options.least > 0.0 { PREVIEW_EFFORT } else { EFFORT };
-        Self { segment, region, within, longest, longest_distance, start, effort, level }
+        Some(Self { within, sure, longest, start, effort, level })
     }
 
     /// Adds the cells of a node that the ray may meet.
@@ -111,7 +119,8 @@ impl<'s> Goal<'s> {
         (node, depth): (&'a PatchNode, u32),
         candidates: &mut Vec<Candidate<'a>>,
     ) {
-        let meetings = dispatch!(self.level, simd => Meetings::with_cells(simd, beam, &node.cells));
+        let cells = CellView::new(&node.cells, beam.axes);
+        let meetings = dispatch!(self.level, simd => Meetings::with_cells(simd, beam, &cells));
         for lane in ones(meetings.possible()) {
             let (meeting, place) = (meetings.lane(lane), Place::InTree { node, lane, depth });
             candidates.extend(self.candidate(tree, &meeting, &node.cells, place, lane));
@@ -132,21 +141,13 @@ impl<'s> Goal<'s> {
             return None;
         }
         let is_continuous = cells.continuous >> lane & 1 == 1;
-        let outer = tree.outer();
-        let part = [0, 1].map(|axis| {
-            let (middle, half) = (cells.middle[axis][lane], cells.half[axis][lane]);
-            let [symbol, reach] = meeting.symbols[axis];
-            let [low, high] = [(symbol - reach).max(-1.0), (symbol + reach).min(1.0)];
-            let slack = 4.0 * f64::EPSILON * (middle.abs() + half);
-            let [low, high] = [middle + half * low - slack, middle + half * high + slack];
-            [low.max(outer[axis][0]), high.min(outer[axis][1])]
-        });
+        let part = part(tree, meeting, cells, lane);
         let is_within = |axis: usize| {
             let ([low, high], inner) = (part[axis], tree.inner()[axis]);
             inner[0] <= low && high <= inner[1]
         };
         let is_proven = is_continuous && meeting.is_inside() && is_within(0) && is_within(1);
-        let is_narrow = meeting.is_solved && meeting.symbols.iter().all(|part| part[1] <= NARROW);
+        let is_narrow = is_narrow(meeting);
         let is_likely =
             meeting.is_solved && meeting.symbols.iter().all(|part| part[0].abs() <= 1.0);
         let shares = [meeting.symbols[0][1].min(1.0), meeting.symbols[1][1].min(1.0)];
@@ -168,9 +169,10 @@ impl<'s> Goal<'s> {
         !(near > self.within[1] || far < self.within[0])
     }
 
-    /// The result for a proven zero between these t, before which there is none. `None` if it is
-    /// not short enough, may lie outside of the region, or may be that of the ray's start.
-    pub fn hit(&self, t: [f64; 2]) -> Option<RayResult> {
+    /// The result for a proven zero between these t and near these u and v, before which there is
+    /// none. `None` if it is not short enough, may lie outside of the region, or may be that of the
+    /// ray's start.
+    pub fn hit(&self, t: [f64; 2], parameters: [f64; 2]) -> Option<RayResult> {
         let is_hit = !self.holds_start(t) && self.is_short(t) && self.holds(t);
         let middle = 0.5 * (t[0] + t[1]);
         is_hit.then_some(RayResult {
@@ -178,6 +180,7 @@ impl<'s> Goal<'s> {
             distance: middle,
             drawn: middle,
             bracket: t,
+            parameters: [parameters[0] as f32, parameters[1] as f32],
             ..RayResult::MISS
         })
     }
@@ -189,15 +192,13 @@ impl<'s> Goal<'s> {
     }
 
     /// Returns whether a bracket is short enough.
-    fn is_short(&self, [near, far]: [f64; 2]) -> bool {
+    pub fn is_short(&self, [near, far]: [f64; 2]) -> bool {
         far - near <= self.longest[0] + self.longest[1] * near.max(0.0)
     }
 
     /// Returns whether all of a bracket is proven to be in the region and on the segment.
-    fn holds(&self, [near, far]: [f64; 2]) -> bool {
-        // The ends of the region are seldom near, so they are not computed before.
-        let [first, last] = self.region.inner(&self.segment.ray);
-        first.max(0.0) <= near && far <= last.min(self.segment.to)
+    pub fn holds(&self, [near, far]: [f64; 2]) -> bool {
+        self.sure[0] <= near && far <= self.sure[1]
     }
 }
 
@@ -205,7 +206,7 @@ impl<'s> Goal<'s> {
 pub(super) struct Search<'s, 'a> {
     pub tree: &'a PatchTree,
     pub beam: &'s Beam,
-    pub goal: &'s Goal<'s>,
+    pub goal: &'s Goal,
 }
 
 impl<'a> Search<'_, 'a> {
@@ -214,19 +215,19 @@ impl<'a> Search<'_, 'a> {
         let goal = self.goal;
         // The first part that stays undecided, and why.
         let mut open: Option<(f64, UndecidedReason)> = None;
-        let mut drawn = f64::INFINITY;
+        let (mut drawn, mut parameters) = (f64::INFINITY, [0.0; 2]);
         let mut effort = goal.effort;
         while let Some(first) = take_first(candidates) {
             if goal.holds_start(first.t) && goal.is_short(first.t) {
                 continue;
             }
             if first.is_proven
-                && let Some(hit) = goal.hit(first.t)
+                && let Some(hit) = goal.hit(first.t, first.middle())
             {
                 if open.is_none() {
                     return hit;
                 }
-                drawn = hit.drawn;
+                (drawn, parameters) = (hit.drawn, hit.parameters);
                 break;
             }
             if effort > 0 && !first.is_finest() {
@@ -245,6 +246,7 @@ impl<'a> Search<'_, 'a> {
             let middle = 0.5 * (first.t[0] + first.t[1]);
             if first.is_likely && middle.is_finite() {
                 drawn = middle.max(from);
+                parameters = first.middle().map(|parameter| parameter as f32);
             }
             if drawn.is_finite() || effort == 0 {
                 // Whatever lies behind is not drawn.
@@ -252,7 +254,14 @@ impl<'a> Search<'_, 'a> {
             }
         }
         let Some((distance, reason)) = open else { return RayResult::MISS };
-        RayResult { status: Status::Undecided, distance, drawn, reason, ..RayResult::MISS }
+        RayResult {
+            status: Status::Undecided,
+            distance,
+            drawn,
+            parameters,
+            reason,
+            ..RayResult::MISS
+        }
     }
 
     /// Replaces a candidate by smaller ones that hold all its zeros. Returns the effort.
@@ -271,17 +280,7 @@ impl<'a> Search<'_, 'a> {
             return 1;
         }
         if candidate.is_narrow {
-            let outer = self.tree.outer();
-            let cell = [0, 1].map(|axis| {
-                let [low, high] = candidate.part[axis];
-                let (middle, half) = (0.5 * (low + high), 0.5 * ROOM * (high - low));
-                let slack = FINEST * middle.abs();
-                [
-                    (middle - half - slack).max(outer[axis][0]),
-                    (middle + half + slack).min(outer[axis][1]),
-                ]
-            });
-            let cells = self.tree.over(&[cell]);
+            let cells = self.tree.over(&[with_room(candidate.part, self.tree)]);
             work.tiles.called(1);
             let meeting = with_cell(self.beam, &cells, 0);
             candidates.extend(self.goal.candidate(self.tree, &meeting, &cells, Place::Apart, 0));
@@ -290,13 +289,50 @@ impl<'a> Search<'_, 'a> {
         let node = self.tree.divide(candidate.part, candidate.columns);
         work.tiles.called(LANES as u32);
         let level = self.goal.level;
-        let meetings = dispatch!(level, simd => Meetings::with_cells(simd, self.beam, &node.cells));
+        let cells = CellView::new(&node.cells, self.beam.axes);
+        let meetings = dispatch!(level, simd => Meetings::with_cells(simd, self.beam, &cells));
         for lane in ones(meetings.possible()) {
             let (meeting, place) = (meetings.lane(lane), Place::Apart);
             candidates.extend(self.goal.candidate(self.tree, &meeting, &node.cells, place, lane));
         }
         EVALUATION
     }
+}
+
+/// Returns whether the zeros in a cell lie in a much smaller part of it.
+pub(super) fn is_narrow(meeting: &Meeting) -> bool {
+    let [[_, u], [_, v]] = meeting.symbols;
+    meeting.is_solved && u <= NARROW && v <= NARROW
+}
+
+/// The part of a lane's cell that holds all zeros.
+pub(super) fn part(
+    tree: &PatchTree,
+    meeting: &Meeting,
+    cells: &Patches<f64>,
+    lane: usize,
+) -> PatchCell {
+    let mut part = tree.outer();
+    for (axis, range) in part.iter_mut().enumerate() {
+        let (middle, half) = (cells.middle[axis].0[lane], cells.half[axis].0[lane]);
+        let [symbol, reach] = meeting.symbols[axis];
+        let [low, high] = [(symbol - reach).max(-1.0), (symbol + reach).min(1.0)];
+        let slack = 4.0 * f64::EPSILON * (middle.abs() + half);
+        let [low, high] = [middle + half * low - slack, middle + half * high + slack];
+        *range = [low.max(range[0]), high.min(range[1])];
+    }
+    part
+}
+
+/// A cell around a part, with so much room that the next bounds of the zeros may lie inside it.
+pub(super) fn with_room(part: PatchCell, tree: &PatchTree) -> PatchCell {
+    let mut cell = tree.outer();
+    for (range, [low, high]) in cell.iter_mut().zip(part) {
+        let (middle, half) = (0.5 * (low + high), 0.5 * ROOM * (high - low));
+        let slack = FINEST * middle.abs();
+        *range = [(middle - half - slack).max(range[0]), (middle + half + slack).min(range[1])];
+    }
+    cell
 }
 
 /// Removes the candidate that begins first.

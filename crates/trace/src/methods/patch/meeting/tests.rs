@@ -1,6 +1,8 @@
 //! Rays through known points of cells: no bound may leave out such a point.
 
 use super::*;
+use fearless_simd::Level;
+use zeroset_eval::dispatch;
 use zeroset_testkit::{Effort, Rng};
 
 /// A number between 0 and 1.
@@ -74,29 +76,41 @@ fn check(seed: u64, beam: &Beam, shape: &CellShape, symbols: [f64; 2], t: Option
 
 #[test]
 fn a_point_of_a_cell_on_a_ray_is_not_left_out() {
-    let mut inside = 0;
+    let (mut inside, mut groups) = (0, 0);
     let effort = Effort::from_environment(0x9a7c_0000, 100_000);
     for seed in effort.seed..effort.seed + effort.cases {
         let rng = &mut Rng::with_seed(seed);
         let (ray, shape, symbols, t) = case(rng);
-        let beam = Beam::along(&ray, main_axis(ray.direction));
+        let axes = axes(main_axis(ray.direction));
+        let beam = Beam::along(&ray, axes);
         inside += u32::from(check(seed, &beam, &shape, symbols, Some(t)));
-        // A beam around this ray and others that are near.
+        // Beams around this ray and others that are near.
         let near = 10_f64.powf(-6.0 * unit(rng));
-        let beams: Vec<Beam> = (0..4)
-            .map(|k| {
-                let mut moved = ray;
-                if k > 0 {
-                    let shift = DVec3::from_array([(); 3].map(|()| near * share(rng)));
-                    moved.origin += shift * ray.origin.length();
-                    moved.direction *= 1.0 + near * share(rng);
-                }
-                Beam { axes: beam.axes, ..Beam::along(&moved, beam.axes[2]) }
-            })
-            .collect();
-        if let Some(group) = Beam::around(&beams) {
+        let mut group = |count: usize| {
+            let segments: Vec<Segment> = (0..count)
+                .map(|k| {
+                    let mut moved = ray;
+                    if k > 0 {
+                        let shift = DVec3::from_array([(); 3].map(|()| near * share(rng)));
+                        moved.origin += shift * ray.origin.length();
+                        moved.direction *= 1.0 + near * share(rng);
+                    }
+                    Segment { ray: moved, to: f64::INFINITY, pixel: [1.0, 0.0] }
+                })
+                .collect();
+            let rays = BeamLanes::new(&segments, axes);
+            dispatch!(Level::new(), simd => rays.beam(simd))
+        };
+        let (one, other) = (group(4), group(LANES));
+        let both = one.zip(other).and_then(Beam::of_both);
+        for group in [one, other, both].into_iter().flatten() {
+            groups += 1;
             check(seed, &group, &shape, symbols, None);
+            let from = least_t(&group, &in_order(&shape, axes));
+            // The ray passes the point within its rounding.
+            assert!(from <= t + 1e-9 * t, "ZEROSET_SEED={seed:#x} ZEROSET_CASES=1: {from} > {t}");
         }
     }
+    assert!(effort.cases < 1000 || groups > 0, "no group of rays");
     assert!(effort.cases < 1000 || inside > 0, "no cell with a proven zero");
 }
