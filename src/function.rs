@@ -106,15 +106,19 @@ impl Function {
     /// Reads a text and compiles its one formula to native code.
     ///
     /// # Errors
-    /// If the text is wrong, draws several surfaces, or draws a solid (an inequality). If the
-    /// formula is too large to compile.
+    /// If the text is wrong, or draws several surfaces, a parametric one, or a solid (an
+    /// inequality). If the formula is too large to compile.
     pub fn parse(text: &str) -> Result<Self, Error> {
         let text = Text::read(text)?;
-        let (wrong, other) = match &text.document.surfaces[..] {
-            [surface] if surface.kind == SurfaceKind::Equation => (None, None),
-            [solid] => (Some("an inequality is a solid".to_owned()), difference(&solid.echo)),
-            [] => (Some("these are curves and points".to_owned()), None),
-            several => (Some(format!("these are {} formulas", several.len())), None),
+        let parametric = text.document.patches.all.len();
+        let (wrong, other) = match (&text.document.surfaces[..], parametric) {
+            ([surface], 0) if surface.kind == SurfaceKind::Equation => (None, None),
+            ([solid], 0) => (Some("an inequality is a solid".to_owned()), difference(&solid.echo)),
+            ([], 0) => (Some("these are curves and points".to_owned()), None),
+            ([], 1) => (Some("this is a parametric surface".to_owned()), None),
+            (several, _) => {
+                (Some(format!("these are {} formulas", several.len() + parametric)), None)
+            }
         };
         if let Some(wrong) = wrong {
             let other = other.map_or("render a scene".to_owned(), |text| format!("write `{text}`"));

@@ -146,11 +146,11 @@ impl Scene {
     }
 
     /// Makes triangles of all surfaces that are not hidden, in the domain, as a ball or a clip
-    /// plane of the text cuts it.
+    /// plane of the text cuts it. Parametric surfaces are left out.
     ///
     /// # Errors
     /// If a setting is out of range, the domain is impossible, or the time is over. If a formula is
-    /// constant, defined nowhere, or too large to compile.
+    /// constant, defined nowhere, or too large to compile. If all surfaces are parametric.
     ///
     /// ```
     /// use zeroset::{MeshSettings, Scene};
@@ -166,11 +166,12 @@ impl Scene {
 
     /// Measures all surfaces that are not hidden, by default in all ways: volume, centroid and
     /// inertia of solids, extent, area and shape of each. A ball or a clip plane of the text cuts
-    /// them.
+    /// them. Parametric surfaces are left out.
     ///
     /// # Errors
     /// If a setting is out of range, a surface is not proven bounded and no domain is given, or the
-    /// time is over. If a formula is constant, empty, or too large to compile.
+    /// time is over. If a formula is constant, empty, or too large to compile. If all surfaces are
+    /// parametric.
     ///
     /// ```
     /// use zeroset::{MeasureSettings, Scene};

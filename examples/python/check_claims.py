@@ -11,6 +11,10 @@ status 1 if a claim is refuted.
 
 Balls hold all values that a function takes on a part of a ray. Where a ball holds no 0, there is no
 zero. Where a function has both signs and is continuous in between, there is one.
+
+A parametric surface is divided into cells of its parameters. Its points on the ray are those on two
+planes that meet there. So they are zeros of two functions of the parameters: a cell has none where
+a ball holds no 0, and it has one if Krawczyk's test proves it.
 """
 
 import argparse
@@ -323,6 +327,15 @@ def constant(step):
     return None
 
 
+def needed(steps, roots):
+    """The places of all steps that these use, in order."""
+    found = set(roots)
+    for k in reversed(range(len(steps))):
+        if k in found and steps[k][0] in OPERATIONS:
+            found.update(steps[k][1:])
+    return sorted(found)
+
+
 def apply(name, operands):
     needed = {"select_negative": operands[:1], "otherwise": []}.get(name, operands)
     if any(operand.void for operand in needed):
@@ -332,6 +345,89 @@ def apply(name, operands):
     return OPERATIONS[name](*operands)
 
 
+class Patch:
+    """A parametric surface. Each parameter is low + (high - low)·share for a share from 0 to 1."""
+
+    MOST_CELLS = 100_000
+
+    def __init__(self, scene, surface):
+        self.scene, self.steps = scene, surface["steps"]
+        self.needed = needed(scene.steps, self.steps)
+        ends = [end for pair in surface["ranges"] for end in pair]
+        values = scene.values(needed(scene.steps, ends), {})
+        self.ranges = [[whole(values[k]).v for k in pair] for pair in surface["ranges"]]
+        self.begin()
+
+    def begin(self):
+        """Forgets all cells but the first."""
+        self.count = 0
+        self.root = Cell(self, [arb(0).union(arb(1))] * 2, [(0.0, 1.0)] * 2)
+
+    def at(self, shares, slopes):
+        """The coordinates, for these shares and their slopes."""
+        places = {}
+        for k, (low, high) in enumerate(self.ranges):
+            places["parameter", k] = Jet(low + (high - low) * shares[k], (high - low) * slopes[k])
+        values = self.scene.values(self.needed, places)
+        return [whole(values[k]) for k in self.steps]
+
+
+class Cell:
+    """A part of a parametric surface, for shares in two balls.
+
+    Each coordinate is in a ball of `values`, and in middle + a·U + b·V for U and V in [-1, 1].
+    """
+
+    UNIT = arb(0, 1)
+    # Cells overlap by this share of their size. So points at edges are not missed.
+    OVERLAP = 1 / 8
+
+    def __init__(self, patch, shares, square=None):
+        self.patch, self.shares, self.square = patch, shares, square
+        self.parts = None
+        sizes = [share.rad() for share in shares]
+        along_u = patch.at(shares, [sizes[0], arb(0)])
+        along_v = patch.at(shares, [arb(0), sizes[1]])
+        middle = patch.at([share.mid() for share in shares], [arb(0)] * 2)
+        self.void = any(jet.void for jet in along_u)
+        self.total = all(jet.total for jet in along_u)
+        self.middle = [jet.v for jet in middle]
+        self.a, self.b = [jet.d for jet in along_u], [jet.d for jet in along_v]
+        self.is_smooth = all(one.is_finite() for one in self.middle + self.a + self.b)
+        linear = [
+            m + a * self.UNIT + b * self.UNIT
+            for m, a, b in zip(self.middle, self.a, self.b, strict=True)
+        ]
+        self.values = [
+            min(jet.v, one, key=arb.rad) for jet, one in zip(along_u, linear, strict=True)
+        ]
+
+    def part(self, places):
+        """The part of the cell for these balls of U and V."""
+        shares = zip(self.shares, places, strict=True)
+        return Cell(self.patch, [share.mid() + share.rad() * place for share, place in shares])
+
+    def halves(self):
+        """Two cells that cover this one."""
+        if self.parts is None:
+            sizes = [high - low for low, high in self.square]
+            if self.is_smooth:
+                sizes = [sum(abs(one).upper() for one in slopes) for slopes in (self.a, self.b)]
+            cut = 0 if sizes[0] > sizes[1] else 1
+            low, high = self.square[cut]
+            middle = (low + high) / 2
+            self.parts = [self.half(cut, low, middle), self.half(cut, middle, high)]
+            self.patch.count += 2
+        return self.parts
+
+    def half(self, cut, low, high):
+        shares, square = list(self.shares), list(self.square)
+        square[cut] = low, high
+        margin = (high - low) * self.OVERLAP
+        shares[cut] = arb(low - margin).union(arb(high + margin))
+        return Cell(self.patch, shares, square)
+
+
 class Ray:
     """The surfaces on a ray. Cells are parts of it, as pairs of floats of its parameter t."""
 
@@ -339,20 +435,17 @@ class Ray:
         self.scene = scene
         self.origin, self.direction = claim["origin"], claim["direction"]
         self.left = scene.effort
+        self.start, self.along = (list(map(arb, claim[name])) for name in ("origin", "direction"))
+        *others, main = sorted(range(3), key=lambda k: abs(self.direction[k]))
+        self.axes = main, others
 
     def values(self, low, high):
         """All steps on a cell."""
         self.left -= 1
         t = arb(low) if low == high else arb(low).union(arb(high))
         axes = zip("xyz", self.origin, self.direction, strict=True)
-        places = {name: Jet(arb(o) + arb(d) * t, arb(d)) for name, o, d in axes}
-        values = []
-        for step, known in zip(self.scene.steps, self.scene.constants, strict=True):
-            if known is None:
-                name, *operands = step
-                known = places.get(name) or apply(name, [values[k] for k in operands])
-            values.append(known)
-        return values
+        places = {(name,): Jet(arb(o) + arb(d) * t, arb(d)) for name, o, d in axes}
+        return self.scene.values(self.scene.needed, places)
 
     def side(self, surface, low, high=None):
         """1 or -1 if the function, or v above its pole, has only this sign on a cell.
@@ -374,6 +467,8 @@ class Ray:
 
     def is_free(self, surface, low, high):
         """Whether a surface has no zero on a cell: True, False if there is one, None if unknown."""
+        if surface["kind"] == "parametric":
+            return self.is_free_of(surface["patch"], low, high)
         is_solid = surface["kind"] == "solid" and self.scene.outside
         cells = [(low, high)] if low <= high else []
         while cells:
@@ -391,6 +486,8 @@ class Ray:
 
     def has_zero(self, surface, low, high, parts=8):
         """Whether a surface is proven to have a zero on a cell."""
+        if surface["kind"] == "parametric":
+            return self.is_free(surface, low, high) is False
         places = [low + (high - low) * k / parts for k in range(parts)] + [high]
         sides = [self.side(surface, place) for place in places]
         if surface["kind"] == "solid" and self.scene.outside:
@@ -409,6 +506,86 @@ class Ray:
                 middle = low + (high - low) / 2
                 cells += [(low, middle), (middle, high)]
         return False
+
+    def is_free_of(self, patch, low, high):
+        """As `is_free`, for a parametric surface."""
+        if patch.count > patch.MOST_CELLS:
+            patch.begin()
+        cells, is_known = [patch.root] if low <= high else [], True
+        while cells:
+            cell = cells.pop()
+            self.left -= 1
+            if cell.void or self.has_point(cell, low, high) is False:
+                continue
+            places = self.krawczyk(cell)
+            if any(abs(place) > 1 for place in places):
+                continue
+            if cell.total and places and all(abs(place) < 1 for place in places):
+                found = self.has_point_where(cell, places, low, high)
+                if found:
+                    return False
+                is_known = is_known and found is False
+                continue
+            if self.left <= 0 or min(high - low for low, high in cell.square) < 2**-40:
+                is_known = False
+            else:
+                cells += cell.halves()
+        return True if is_known else None
+
+    def has_point(self, cell, low, high):
+        """False if no point of a surface's cell is on a cell of the ray, None if one may be.
+
+        If one is on the line of the ray: True if it is proven to be on the cell of the ray.
+        """
+        main, others = self.axes
+        t = (cell.values[main] - self.start[main]) / self.along[main]
+        if t < low or t > high or any(share < 0 or share > 1 for share in cell.shares):
+            return False
+        if any(not self.plane(k, cell.values, self.start).contains(0) for k in others):
+            return False
+        is_inside = (
+            t >= low and t <= high and all(share >= 0 and share <= 1 for share in cell.shares)
+        )
+        return is_inside or None
+
+    def has_point_where(self, cell, places, low, high):
+        """As `has_point`, if a point of the cell is on the line, and all are in these `places`."""
+        for _ in range(8):
+            cell = cell.part(places)
+            found = self.has_point(cell, low, high)
+            places = self.krawczyk(cell)
+            if found is not None or not all(abs(place) < 1 for place in places):
+                return found
+        return None
+
+    def plane(self, k, point, origin=(0, 0, 0)):
+        """A function of points that is 0 on a plane through the ray, if `origin` is its own."""
+        main = self.axes[0]
+        ahead = (point[main] - origin[main]) * self.along[k]
+        return (point[k] - origin[k]) * self.along[main] - ahead
+
+    def krawczyk(self, cell):
+        """Balls of U and V for all points of a cell on the ray: empty if they are not known.
+
+        If both balls are within (-1, 1), there is such a point where the surface is continuous.
+        """
+        if not cell.is_smooth:
+            return []
+        _, (i, j) = self.axes
+        f = [self.plane(k, cell.middle, self.start) for k in (i, j)]
+        a, b = ([self.plane(k, slopes) for k in (i, j)] for slopes in (cell.a, cell.b))
+        (a0, a1), (b0, b1) = ([one.mid() for one in slopes] for slopes in (a, b))
+        size = a0 * b1 - a1 * b0
+        if size.contains(0):
+            return []
+        # With the inverse Y of the matrix in the middle, U = U - Y·(f + a·U + b·V) at a zero.
+        u, v = ((y0 / size, y1 / size) for y0, y1 in [(b1, -b0), (-a1, a0)])
+        return [
+            (is_u - y0 * a[0] - y1 * a[1]) * cell.UNIT
+            + (1 - is_u - y0 * b[0] - y1 * b[1]) * cell.UNIT
+            - (y0 * f[0] + y1 * f[1])
+            for (y0, y1), is_u in ((u, 1), (v, 0))
+        ]
 
     def within(self):
         """A part of the ray that holds all of its points in the domain. None if there are none."""
@@ -471,7 +648,22 @@ class Scene:
         self.steps, self.domain = self.header["steps"], self.header["domain"]
         self.constants = [constant(step) for step in self.steps]
         self.surfaces = [one for one in self.header["surfaces"] if not one["hidden"]]
+        for surface in self.surfaces:
+            if surface["kind"] == "parametric":
+                surface["patch"] = Patch(self, surface)
+        self.needed = needed(self.steps, [one["step"] for one in self.surfaces if "step" in one])
         self.outside = True
+
+    def values(self, places, known):
+        """These steps, each after those that it uses. Variables or parameters are known."""
+        values = {}
+        for k in places:
+            value = self.constants[k] or known.get(tuple(self.steps[k]))
+            if value is None:
+                name, *operands = self.steps[k]
+                value = apply(name, [values[operand] for operand in operands])
+            values[k] = value
+        return values
 
     def judge(self, claim):
         """What is found of a claim, in words."""
@@ -516,9 +708,13 @@ class Scene:
         return "not decided"
 
 
-def check(task):
-    header, effort, lines = task
+def begin(header, effort):
+    """Gives the process a scene."""
+    global scene
     scene = Scene(header, effort)
+
+
+def check(lines):
     return [(claim["pixel"], scene.judge(claim)) for claim in map(json.loads, lines)]
 
 
@@ -530,14 +726,14 @@ def main():
     arguments = parser.parse_args()
     with open(arguments.file, encoding="utf-8") as file:
         header = json.loads(next(file))
-        if header["format"] != "zeroset claims 1":
+        if header["format"] not in ("zeroset claims 1", "zeroset claims 2"):
             sys.exit(f"{arguments.file}: no file of claims that this program reads")
         for surface in header["surfaces"]:
             print(surface["read"])
         lines = file.readlines()
-    tasks = [(header, arguments.effort, lines[k : k + 64]) for k in range(0, len(lines), 64)]
+    tasks = [lines[k : k + 64] for k in range(0, len(lines), 64)]
     count: Counter[str] = Counter()
-    with Pool() as pool:
+    with Pool(initializer=begin, initargs=(header, arguments.effort)) as pool:
         for found in pool.imap(check, tasks):
             for pixel, verdict in found:
                 word, _, why = verdict.partition(":")

@@ -65,6 +65,11 @@ fn what_is_no_single_function_is_refused() {
         ("z <= x + y", "write `z - (x + y)`"),
         ("x > 0 and y > 0", "an inequality is a solid and not a function: render a scene"),
         ("x = 1\ny = 1", "these are 2 formulas and not a function"),
+        (
+            "(u, v, u v) for u in [0, 1], v in [0, 1]",
+            "this is a parametric surface and not a function: render a scene",
+        ),
+        ("x = 1; (u, v, u v) for u in [0, 1], v in [0, 1]", "these are 2 formulas"),
     ] {
         let error = Function::parse(text).expect_err("no function");
         assert!(error.to_string().contains(why), "{text}: {error}");

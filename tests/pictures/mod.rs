@@ -8,6 +8,7 @@ mod baselines;
 mod cameras;
 mod certified;
 mod clicks;
+mod closed;
 mod coincident;
 mod counts;
 mod domains;

@@ -8,24 +8,19 @@ use super::array::{Beginning, NewRowWriter, RowWriter};
 use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::io::{self, Write};
-use zeroset_ir::{Constant, Node, NodeId};
+use zeroset_ir::{Axis, Constant, Graph, Node, NodeId};
 use zeroset_render::picture::Picture;
 use zeroset_space::Region;
-use zeroset_syntax::{Document, Surface, SurfaceKind};
+use zeroset_syntax::{Document, Patch, Surface, SurfaceKind};
 use zeroset_trace::{RayGrid, Status};
 
 /// The first line's `format`.
-const FORMAT: &str = "zeroset claims 1";
+const FORMAT: &str = "zeroset claims 2";
 
 /// Begins the file.
 pub fn begin(mut out: Box<dyn Write>, picture: &Beginning<'_>) -> NewRowWriter {
     let Beginning { size: [width, height], document, region, .. } = *picture;
-    if !document.patches.is_empty() {
-        return Err(io::Error::other(
-            "claims are written for equations and solids, and the text has a parametric surface",
-        ));
-    }
-    let [surfaces, steps] = functions(document);
+    let (surfaces, steps) = functions(document);
     let header = json!({
         "format": FORMAT,
         "text": picture.text,
@@ -53,25 +48,14 @@ fn domain(region: &Region) -> Value {
     domain
 }
 
-/// The surfaces in the order of the text, and hidden ones too, since `--surface-id` counts them.
-/// Then all steps, each after those that it uses. Sliders have their values.
-fn functions(document: &Document) -> [Vec<Value>; 2] {
-    let roots: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
-    let mut places = HashMap::new();
+/// The surfaces in the order of their numbers, and then all steps. Hidden surfaces have numbers,
+/// too. A step follows those that it uses. Sliders have their values.
+fn functions(document: &Document) -> (Vec<Value>, Vec<Value>) {
     let mut steps = Vec::new();
-    for id in document.graph.needed(&roots) {
-        places.insert(id, steps.len());
-        steps.push(match document.graph.node(id) {
-            Node::Variable(axis) => json!([axis.name()]),
-            Node::Parameter(number) => slider(document, *number),
-            Node::Constant(number) => constant(number),
-            Node::Apply(op, operands) => {
-                let operands = operands.iter().map(|id| json!(places[id]));
-                [json!(op.row().name)].into_iter().chain(operands).collect()
-            }
-        });
-    }
-    let surface = |surface: &Surface| {
+    let roots: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
+    let variable = |axis: Axis| json!([axis.name()]);
+    let places = add_steps(&mut steps, document, (&document.graph, &roots), variable);
+    let equation = |surface: &Surface| {
         let kind = match surface.kind {
             SurfaceKind::Equation => "equation",
             SurfaceKind::Solid => "solid",
@@ -83,7 +67,46 @@ fn functions(document: &Document) -> [Vec<Value>; 2] {
             "step": places[&surface.root],
         })
     };
-    [document.surfaces.iter().map(surface).collect(), steps]
+    let mut surfaces: Vec<Value> = document.surfaces.iter().map(equation).collect();
+    let patches = &document.patches;
+    let roots: Vec<NodeId> = patches.all.iter().flat_map(Patch::roots).collect();
+    let parameter = |axis: Axis| json!(["parameter", axis as usize]);
+    let places = add_steps(&mut steps, document, (&patches.graph, &roots), parameter);
+    let parametric = |patch: &Patch| {
+        json!({
+            "read": patch.line(),
+            "kind": "parametric",
+            "hidden": patch.hidden,
+            "parameters": patch.names,
+            "ranges": patch.ends.map(|ends| ends.map(|end| places[&end])),
+            "steps": patch.at.map(|coordinate| places[&coordinate]),
+        })
+    };
+    surfaces.extend(patches.all.iter().map(parametric));
+    (surfaces, steps)
+}
+
+/// Appends the nodes that `roots` need, and returns their places among all steps.
+fn add_steps(
+    steps: &mut Vec<Value>,
+    document: &Document,
+    (graph, roots): (&Graph, &[NodeId]),
+    variable: impl Fn(Axis) -> Value,
+) -> HashMap<NodeId, usize> {
+    let mut places = HashMap::new();
+    for id in graph.needed(roots) {
+        places.insert(id, steps.len());
+        steps.push(match graph.node(id) {
+            Node::Variable(axis) => variable(*axis),
+            Node::Parameter(number) => slider(document, *number),
+            Node::Constant(number) => constant(number),
+            Node::Apply(op, operands) => {
+                let operands = operands.iter().map(|id| json!(places[id]));
+                [json!(op.row().name)].into_iter().chain(operands).collect()
+            }
+        });
+    }
+    places
 }
 
 /// The value of a slider.

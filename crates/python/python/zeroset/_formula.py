@@ -6,11 +6,16 @@ written as a text. An `if` on a formula, as in Python's `max`, calls it once for
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 import math
 import numbers
-from collections.abc import Callable
+import re
+import zlib
+from collections.abc import Callable, Mapping, Sequence
 from contextvars import ContextVar
+from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -250,8 +255,10 @@ def expression(value: Any) -> Expression:
     raise Error(f"a {type(value).__name__} has no meaning in a formula: {value!r}")
 
 
-def text_of(root: Expression) -> str:
-    """The text of an expression. Parts that are used again become lines of their own."""
+def text_of(root: Expression, parameters: Sequence[str] = (), prefix: str = "part") -> str:
+    """The text of an expression. Parts that are used again become lines of their own. With
+    parameters, which other lines do not know, these lines are functions of them.
+    """
     uses: dict[int, int] = {}
     order: list[Expression] = []
     stack = [(root, False)]
@@ -273,7 +280,9 @@ def text_of(root: Expression) -> str:
         is_number = not text.startswith("(") or not _is_condition(node)
         again = uses[id(node)] > 1 and node._parts
         if node is not root and is_number and (again or depth > _DEEPEST):
-            name = f"part_{len(lines) + 1}"
+            name = f"{prefix}_{len(lines) + 1}"
+            if parameters:
+                name += f"({', '.join(parameters)})"
             lines.append(f"{name} = {text}")
             text, depth = name, 1
         texts[id(node)], depths[id(node)] = text, depth
@@ -476,6 +485,15 @@ def _extreme(test: Expression, yes: Expression, no: Expression) -> Expression | 
 
 def from_sympy(value: Any) -> str:
     """The text of an expression, an equation or an inequality of SymPy."""
+    return text_of(_of_sympy(value))
+
+
+def is_of_sympy(value: Any) -> bool:
+    """Whether a value is of a class of SymPy."""
+    return any(str(kind.__module__).startswith("sympy.") for kind in type(value).__mro__)
+
+
+def _of_sympy(value: Any) -> Expression:
     import sympy
 
     relations = {
@@ -546,4 +564,134 @@ def from_sympy(value: Any) -> str:
             return call(_SYMPY.get(name, name), *map(convert, node.args))
         raise Error(f"SymPy's {name} has no meaning in a formula: {node}")
 
-    return text_of(convert(sympy.sympify(value)))
+    return convert(sympy.sympify(value))
+
+
+# Ends of ranges that are the floats nearest to multiples of this part of pi are those multiples.
+_PART_OF_PI = 12
+
+
+def parametric(formula: Any, ranges: Mapping[str, Any], values: Mapping[str, float]) -> str:
+    """The text of a parametric surface: three coordinates, and the ranges of two parameters. A text
+    without ranges has its own.
+    """
+    if isinstance(formula, str):
+        if not ranges:
+            return formula
+        if re.search(r"\)\s*for\s+\w+\s+in\b", formula.strip().splitlines()[-1]):
+            raise Error(f"the text has ranges: leave out {_listed(list(ranges))}")
+        names, text = list(ranges), formula
+    elif callable(formula) and not is_of_sympy(formula):
+        names, arguments = _arguments_of_surface(formula, ranges, values)
+
+        def computed(axis: int) -> Any:
+            return _coordinates(formula(*map(Expression, arguments)))[axis]
+
+        coordinates = [expression(_explored(partial(computed, axis))) for axis in range(3)]
+        text = _text_of_triple(coordinates, names)
+    else:
+        names = list(ranges)
+        text = _text_of_triple([_coordinate(value) for value in _coordinates(formula)], names)
+    if len(names) > 2:
+        raise Error(f"a surface has two parameters, and these are {_listed(names)}")
+    missing = [name for name in names if name not in ranges]
+    if missing or len(names) < 2:
+        wanted = _listed([f"{name}=(low, high)" for name in missing] or ["v=(low, high)"])
+        raise Error(f"a parametric surface has the ranges of two parameters: give {wanted}, too")
+    rows = [f"{name} in [{', '.join(_ends(name, ranges[name]))}]" for name in names]
+    return f"{text} for {', '.join(rows)}"
+
+
+def _arguments_of_surface(
+    function: Callable[..., Any], ranges: Mapping[str, Any], values: Mapping[str, float]
+) -> tuple[list[str], list[str]]:
+    """The names of the parameters of a surface, and those of all arguments of its function."""
+    try:
+        arguments = list(inspect.signature(function).parameters)
+    except (TypeError, ValueError):
+        arguments = list(ranges)
+    names = arguments[:2]
+    if len(names) < 2:
+        raise Error("the function of a parametric surface has two arguments, such as u and v")
+    other = [name for name in ranges if name not in names]
+    other += [name for name in values if name not in arguments]
+    if other:
+        raise Error(f"{other[0]} is no parameter of the surface: it has {_listed(arguments)}")
+    unknown = [name for name in arguments[2:] if name not in values]
+    if unknown:
+        name = getattr(function, "__name__", "")
+        raise Error(f"the function {name} needs a value for {unknown[0]}")
+    return names, arguments
+
+
+def _coordinates(values: Any) -> list[Any]:
+    """Three coordinates."""
+    found = None
+    if not isinstance(values, (Expression, str)):
+        with contextlib.suppress(TypeError):
+            found = list(values)
+    if found is None or len(found) != 3:
+        many = "1" if found is None else str(len(found))
+        raise Error(f"a parametric surface has three coordinates x, y and z, and not {many}")
+    return found
+
+
+def _text_of_triple(coordinates: list[Expression], parameters: Sequence[str]) -> str:
+    """The text of three coordinates. A text has one function of a name, and may have several
+    surfaces. So the names of functions follow from all of the text.
+    """
+    triple = _shared(Expression("({}, {}, {})", *coordinates), {})
+    text = text_of(triple, parameters)
+    number = zlib.crc32(text.encode())
+    letters = "".join(chr(ord("a") + number // 26**place % 26) for place in range(5))
+    return text_of(triple, parameters, f"part_{letters}")
+
+
+def _coordinate(value: Any) -> Expression:
+    """A coordinate that is a text, an expression or a number."""
+    if isinstance(value, str):
+        return Expression(f"({value})")
+    return _of_sympy(value) if is_of_sympy(value) else expression(value)
+
+
+def _ends(name: str, ends: Any) -> tuple[str, str]:
+    """The texts of both ends of a range."""
+    try:
+        low, high = [ends] if isinstance(ends, str) else ends
+    except (TypeError, ValueError):
+        raise Error(f"{name}={ends!r} is no range: give {name}=(low, high)") from None
+    texts = _end(name, low), _end(name, high)
+    try:
+        is_reversed = float(low) >= float(high)
+    except (TypeError, ValueError):
+        # The language tells, once other values are known.
+        is_reversed = False
+    if is_reversed:
+        raise Error(f"the range of {name} ends where it begins, or before: {name}=({low}, {high})")
+    return texts
+
+
+def _end(name: str, end: Any) -> str:
+    """The text of an end of a range."""
+    if isinstance(end, str):
+        return end
+    if is_of_sympy(end):
+        return from_sympy(end)
+    if isinstance(end, numbers.Rational):
+        return str(Fraction(end))
+    if not isinstance(end, numbers.Real) or not math.isfinite(end):
+        raise Error(f"the range of {name} has an end {end!r}, which is no finite number")
+    number = float(end)
+    count = round(number * _PART_OF_PI / math.pi)
+    exact = count * math.pi / _PART_OF_PI
+    if count != 0 and abs(number - exact) <= 2 * math.ulp(exact):
+        share = Fraction(count, _PART_OF_PI)
+        times = {1: "pi", -1: "-pi"}.get(share.numerator, f"{share.numerator}*pi")
+        return f"{times}/{share.denominator}" if share.denominator != 1 else times
+    return repr(number)
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Names as a list in a sentence."""
+    *most, last = names
+    return f"{', '.join(most)} and {last}" if most else last

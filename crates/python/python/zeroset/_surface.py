@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from numbers import Real
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _zeroset
-from ._formula import from_sympy, traced
+from ._formula import from_sympy, is_of_sympy, parametric, traced
 from ._zeroset import Error, Mesh, Picture
 
 if TYPE_CHECKING:
@@ -375,14 +377,49 @@ class Surface:
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Other processes compile it anew.
-        return _again, (self.text, self.parameters)
+        return _again, (type(self), self.text, self.parameters)
 
     def __repr__(self) -> str:
-        return f"<Surface {'; '.join(self.surfaces)}>"
+        return f"<{type(self).__name__} {'; '.join(self.surfaces)}>"
 
 
-def _again(text: str, values: dict[str, float]) -> Surface:
-    surface = Surface(text)
+class Parametric(Surface):
+    """A surface that is given by its points, for all values of two parameters between their ends.
+
+    `formula` is a Python function of the parameters that returns x, y and z and uses NumPy's
+    functions; or three coordinates, as texts, numbers and SymPy expressions; or a text. A pair with
+    the name of a parameter is its range. A number is a value, as for `Surface`. A text may have its
+    ranges itself: ``(cos u, sin u, v) for u in [0, 2pi], v in [-1, 1]``.
+
+    Ends are numbers, SymPy expressions or texts such as ``"2pi"``. Numbers are exact, but for
+    multiples of pi/12: `math.tau` is 2π. So what closes at 2π has no gap.
+
+    All that draws a surface draws this one. It has no values at points, rays, meshes and measures.
+
+    >>> tube = Parametric(lambda u, v: (np.cos(u), np.sin(u), v), u=(0, 2 * np.pi), v=(-1, 1))
+    >>> tube.text
+    '(cos(u), sin(u), v) for u in [0, 2*pi], v in [-1, 1]'
+    >>> tube.render(64, 64)
+    <Picture 64x64: ... hits, ... misses, 0 undecided>
+    """
+
+    def __init__(self, formula: Any, /, **names: Any) -> None:
+        values = {name: float(value) for name, value in names.items() if isinstance(value, Real)}
+        ranges = {name: value for name, value in names.items() if name not in values}
+        super().__init__(parametric(formula, ranges, values), **values)
+        if not any(re.search(_RANGES, line) for line in self.surfaces):
+            raise Error(
+                "the text has no parametric surface: write (x, y, z) for u in [0, 1], v in [0, 1], "
+                "or give u=(0, 1) and v=(0, 1) beside the coordinates"
+            )
+
+
+# How the line of a parametric surface ends.
+_RANGES = r"\) for \w+ in \[.*\], \w+ in \[.*\]$"
+
+
+def _again(kind: type[Surface], text: str, values: dict[str, float]) -> Surface:
+    surface = kind(text)
     surface.set(**values)
     return surface
 
@@ -466,7 +503,7 @@ def views() -> list[str]:
 def _text(formula: Any, values: Mapping[str, float]) -> str:
     if isinstance(formula, str):
         return formula
-    if any(str(kind.__module__).startswith("sympy.") for kind in type(formula).__mro__):
+    if is_of_sympy(formula):
         return from_sympy(formula)
     if callable(formula):
         return traced(formula, dict(values))

@@ -45,8 +45,13 @@ pub struct Patch {
 }
 
 impl Patch {
-    /// All nodes of the surface.
-    fn roots(&self) -> impl Iterator<Item = NodeId> {
+    /// The statement as it was read, in one line.
+    pub fn line(&self) -> String {
+        self.echo.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
+    /// All nodes of the surface: coordinates, then the ends of the ranges.
+    pub fn roots(&self) -> impl Iterator<Item = NodeId> {
         self.at.into_iter().chain(self.ends.into_iter().flatten())
     }
 }
