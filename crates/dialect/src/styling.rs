@@ -1,7 +1,7 @@
 //! Recognizes statements of other systems that only style or show a picture.
 
 use crate::program_words::Words;
-use zeroset_parser::lex::token::{Token, bracketed, closing};
+use zeroset_parser::lex::token::{Token, bracketed, closing, split};
 use zeroset_parser::lex::token_kind::TokenKind::*;
 
 /// Words before the options of a command, as in `axis equal` and `title('A surface')`.
@@ -30,6 +30,14 @@ const METHODS: &[&str] = &["show", "save", "savefig", "print"];
 impl Words<'_> {
     /// Returns whether a statement only styles or shows a picture.
     pub(crate) fn is_style(self, tokens: &[Token]) -> bool {
+        // MATLAB ends a command by a comma, too: `axis equal, box on`.
+        let parts = split(tokens, Comma);
+        let has_parts = tokens.iter().any(|token| token.kind == Comma);
+        self.is_one_style(tokens)
+            || has_parts && !parts.is_empty() && parts.iter().all(|part| self.is_one_style(part))
+    }
+
+    fn is_one_style(self, tokens: &[Token]) -> bool {
         let start = match tokens {
             [_, equals, value, _, ..] if equals.kind == Equals && self.word(*value) == "patch" => 2,
             _ => 0,

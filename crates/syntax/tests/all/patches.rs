@@ -84,3 +84,27 @@ fn mistakes_in_parametric_surfaces_are_named() {
         assert!(said.contains(part), "{text}: {said}");
     }
 }
+
+#[test]
+fn values_that_use_the_parameters_may_be_defined_before_the_command() {
+    let command = "parametric_plot3d([r*cos(u), f_y, v], (u, 0, 2*pi), (v, 0, 1))";
+    let text = format!("a = 2 in [1, 3]\nr = a + v\nf_y = r*sin(u)\n{command}");
+    let document = document(&text);
+    // The slider stays one.
+    assert_eq!(document.parameters.len(), 1);
+    assert_eq!((document.patches.all.len(), document.surfaces.len()), (1, 0));
+    let (u, v, a) = (0.75_f64, 2.5_f64, 2.0);
+    let found = values(&document);
+    for (found, expected) in found.iter().zip([(a + v) * u.cos(), (a + v) * u.sin(), v]) {
+        assert!((found - expected).abs() < 1e-9, "{found}, not {expected}");
+    }
+}
+
+#[test]
+fn a_function_of_three_js_is_refused_with_a_way_out() {
+    let text = "function f(u, v, target) { target.set(u, v, 0); }\n\
+                const g = new ParametricGeometry(f, 9, 9);";
+    let errors = read(text, &Options::default()).expect_err("is not read");
+    let said = errors.render(None, text, false);
+    assert!(said.contains("three.js") && said.contains("write the coordinates"), "{said}");
+}
