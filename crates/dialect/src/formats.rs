@@ -15,7 +15,7 @@ use zeroset_parser::{Error, ErrorKind, Fallible, Limits, Note, NoteKind, Span};
 /// Number of keys that a note quotes.
 const MAX_KEYS: usize = 6;
 
-/// What is said of a surface of three.js, whose coordinates a function sets one by one.
+/// The reason for refusing a surface of three.js: a function sets its coordinates one by one.
 const THREE_JS: ErrorKind = ErrorKind::Format {
     format: "three.js",
     read: "functions that set a point, as `ParametricGeometry` takes, are not read",

@@ -2,8 +2,10 @@
 //! as `f_x = u*cos(v)`, or grids such as `X = U.*cos(V)`.
 
 use crate::curve_commands::draws_surface;
+use crate::known_numbers::number_expr;
 use crate::lists::separated;
-use crate::program_reader::{Frame, ProgramReader};
+use crate::program_reader::{Frame, ProgramReader, Statements};
+use crate::program_words::Words;
 use zeroset_ir::Axis;
 use zeroset_parser::Fallible;
 use zeroset_parser::lex::token::{Token, bracketed, in_brackets, split};
@@ -14,6 +16,9 @@ use zeroset_parser::tree::ast::{ExprKind, NamedValue};
 const OVER_GRIDS: &[&str] =
     &["surf", "mesh", "surface", "surfl", "surfc", "meshc", "meshz", "waterfall"];
 
+/// Largest number of surfaces of a sequence.
+const MAX_SURFACES: f64 = 100.0;
+
 /// Largest number of tokens of a coordinate.
 const MAX_VALUE: usize = 2000;
 
@@ -22,7 +27,7 @@ const MAX_DEPTH: usize = 16;
 
 impl ProgramReader<'_> {
     /// A command with the list in place of the name of a list, as in `f = (u, v, u*v)` and
-    /// `parametric_plot3d(f, …)`, and without brackets around the ranges, as Giac writes them. Returns
+    /// `parametric_plot3d(f, …)`. Brackets around both ranges, which Giac writes, are left out. Returns
     /// also the name that was replaced.
     pub(crate) fn with_listed_point(&self, tokens: &[Token]) -> (Vec<Token>, Option<String>) {
         let mut all = tokens.to_vec();
@@ -54,6 +59,55 @@ impl ProgramReader<'_> {
         all.extend(separated(&parts));
         all.extend(&tokens[tokens.len() - rest.len() - 1..]);
         (all, replaced)
+    }
+
+    /// Reads GeoGebra's lists `{Surface(…), Surface(…)}` and `Sequence(Surface(…), a, 1, 3)`. Returns
+    /// false for any other statement.
+    pub(crate) fn surface_list(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
+        let words = self.words;
+        let is_surface = |part: &Vec<Token>| matches!(words.word(part[0]), "Surface" | "Sequence");
+        let inside = match tokens[0].kind {
+            OpenBrace => Words::inside(tokens),
+            _ if words.word(tokens[0]) == "Sequence" => tokens.get(1..).and_then(Words::inside),
+            _ => None,
+        };
+        let parts = inside.map(|inside| split(inside, Comma)).unwrap_or_default();
+        if parts.is_empty() || !is_surface(&parts[0]) {
+            return Ok(false);
+        }
+        let mut none = Statements::default();
+        if tokens[0].kind == OpenBrace {
+            if parts.iter().all(is_surface) {
+                for part in parts {
+                    self.statement(part, frame, &mut none)?;
+                }
+                return Ok(true);
+            }
+            return Ok(false);
+        }
+        let ([surface, name, low, high] | [surface, name, low, high, _]) = parts.as_slice() else {
+            return Ok(false);
+        };
+        let number = |end: &[Token]| self.known_value(&self.resolved(end), frame);
+        let step = parts.get(4).map_or(Some(1.0), |step| number(step));
+        let ([name], Some(low), Some(high), Some(step)) =
+            (name.as_slice(), number(low), number(high), step)
+        else {
+            return Ok(false);
+        };
+        let count = ((high - low) / step + 1e-9).floor();
+        if step <= 0.0 || !(0.0..MAX_SURFACES).contains(&count) {
+            return Ok(false);
+        }
+        for index in 0..=count as u32 {
+            let value = number_expr(low + f64::from(index) * step, name.span);
+            let value = vec![self.saved(value, name.span, false, frame)];
+            let Some(one) = Words::substituted(surface, &[(*name, value)], words.text) else {
+                return Ok(false);
+            };
+            self.statement(one, frame, &mut none)?;
+        }
+        Ok(true)
     }
 
     /// Returns whether a statement only adds plots that were drawn before, as in `p1 + p2` of Sage.

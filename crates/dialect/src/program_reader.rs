@@ -521,7 +521,7 @@ impl ProgramReader<'_> {
         if let Some(curve) = self.words.parametric_splot(tokens, set) {
             return self.plain(curve, frame, false).map(|()| true);
         }
-        if self.adds_plots(tokens) {
+        if self.adds_plots(tokens) || self.surface_list(tokens, frame)? {
             return Ok(true);
         }
         let mut list = None;

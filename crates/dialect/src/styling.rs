@@ -11,7 +11,7 @@ const COMMANDS: &[&str] = &[
     "title", "xlabel", "ylabel", "zlabel", "xlim", "ylim", "zlim", "daspect", "pbaspect",
     "print", "fig2plotly", "set", "unset", "pause", "disp", "drawnow", "rotate3d", "figure",
     "hold", "axes", "light", "legend", "view", "Export", "size", "subplot", "Graphics3d", "clf",
-    "patch", "isonormals", "isocaps", "gca", "gcf", "show",
+    "patch", "isonormals", "isocaps", "gca", "gcf", "show", "lightangle", "caxis",
 ];
 
 /// Objects whose members only style or show a picture.
@@ -92,8 +92,11 @@ impl Words<'_> {
     /// Returns whether a statement switches the axes or sets the range of one.
     fn is_of_axes(self, tokens: &[Token]) -> bool {
         match tokens {
+            // MATLAB's `axis off` is a style.
             [first, second] => {
-                self.word(*first) == "axis" && matches!(self.word(*second), "on" | "off")
+                self.word(*first) == "axis"
+                    && matches!(self.word(*second), "on" | "off")
+                    && !self.text.contains("meshgrid(")
             }
             [first, open, inner, ..] => {
                 matches!(self.word(*first), "xlim" | "ylim" | "zlim")

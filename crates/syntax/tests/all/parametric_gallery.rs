@@ -21,7 +21,7 @@ const SHARES: [[f64; 2]; 5] =
 
 type Pair = fn(f64, f64) -> (f64, f64);
 
-/// What a name promises.
+/// A property that a surface's name promises.
 enum Promise {
     /// The mean curvature is 0.
     Minimal,

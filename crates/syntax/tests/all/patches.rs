@@ -101,6 +101,34 @@ fn values_that_use_the_parameters_may_be_defined_before_the_command() {
 }
 
 #[test]
+fn lists_of_surfaces_are_read() {
+    let one = "Surface(u cos(v), u sin(v), v, u, 0, 1, v, 0, pi)";
+    let rows = [
+        (format!("{{{one}, Surface(u, v, 3, u, 0, 1, v, 0, 1)}}"), vec![2.5, 3.0]),
+        (format!("{one}\nSurface(u, v, 3, u, 0, 1, v, 0, 1)"), vec![2.5, 3.0]),
+        ("Sequence(Surface(u, v, a v, u, 0, 1, v, 0, 1), a, 1, 3)".to_owned(), vec![2.5, 5.0, 7.5]),
+        (
+            "Sequence(Surface(u, v, a, u, 0, 1, v, 0, 1), a, 0, 1, 0.5)".to_owned(),
+            vec![0.0, 0.5, 1.0],
+        ),
+    ];
+    for (text, heights) in rows {
+        let mut document = document(&text);
+        let all = std::mem::take(&mut document.patches.all);
+        let found: Vec<f64> = all
+            .into_iter()
+            .map(|patch| {
+                document.patches.all = vec![patch];
+                values(&document)[2]
+            })
+            .collect();
+        let near = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-9;
+        let is_same = found.len() == heights.len() && found.iter().zip(&heights).all(near);
+        assert!(is_same, "{text}: {found:?}");
+    }
+}
+
+#[test]
 fn a_function_of_three_js_is_refused_with_a_way_out() {
     let text = "function f(u, v, target) { target.set(u, v, 0); }\n\
                 const g = new ParametricGeometry(f, 9, 9);";
