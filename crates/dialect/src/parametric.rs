@@ -7,10 +7,10 @@ use crate::lists::separated;
 use crate::program_reader::{Frame, ProgramReader, Statements};
 use crate::program_words::Words;
 use zeroset_ir::Axis;
-use zeroset_parser::Fallible;
 use zeroset_parser::lex::token::{Token, bracketed, in_brackets, split};
 use zeroset_parser::lex::token_kind::TokenKind::*;
 use zeroset_parser::tree::ast::{ExprKind, NamedValue};
+use zeroset_parser::{Fallible, NoteKind};
 
 /// Commands of MATLAB that draw a surface over three grids.
 const OVER_GRIDS: &[&str] =
@@ -61,8 +61,8 @@ impl ProgramReader<'_> {
         (all, replaced)
     }
 
-    /// Reads GeoGebra's lists `{Surface(…), Surface(…)}` and `Sequence(Surface(…), a, 1, 3)`. Returns
-    /// false for any other statement.
+    /// Reads lists of `GeoGebra`, `{Surface(…), Surface(…)}` and `Sequence(Surface(…), a, 1, 3)`.
+    /// Returns false for any other statement.
     pub(crate) fn surface_list(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
         let words = self.words;
         let is_surface = |part: &Vec<Token>| matches!(words.word(part[0]), "Surface" | "Sequence");
@@ -257,6 +257,11 @@ impl ProgramReader<'_> {
         names: &[Token; 2],
         frame: &Frame,
     ) -> Fallible<()> {
+        // The ranges of its grid are those of the parameters, and not of x and y.
+        let is_of_grid =
+            |token: &Token| token.kind == DomainWord && token.span.start == token.span.end;
+        self.program.statements.retain(|raw| !raw.lexed.tokens.first().is_some_and(is_of_grid));
+        self.program.notes.retain(|note| !matches!(note.kind, NoteKind::PlotDomain { .. }));
         let mut frame = frame.clone();
         for name in names {
             let name = self.words.word(*name).to_owned();

@@ -131,6 +131,10 @@ fn outcome(row: &Row) -> Outcome {
         let counts = format!("{} parametric and {} other", patches.len(), document.surfaces.len());
         return Outcome::Otherwise(counts);
     }
+    // The ranges of parameters are no ranges of coordinates.
+    if let Some(domain) = &document.domain {
+        return Outcome::Otherwise(format!("cut by {domain:?}"));
+    }
     let wrong = patches.iter().zip(&row.meant).find_map(|(patch, meant)| {
         let what = wrong_surface(&document, patch, meant)?;
         Some(format!("read as {}\n{what}", patch.echo))

@@ -49,6 +49,7 @@ fn a_torus_of_several_systems_is_the_same() {
     for text in TORUS {
         let document = document(text);
         assert_eq!((document.patches.all.len(), document.surfaces.len()), (1, 0), "{text}");
+        assert!(document.domain.is_none(), "{text}");
         let expected = point.into_iter().chain([0.0, full, 0.0, full]);
         for (found, expected) in values(&document).into_iter().zip(expected) {
             assert!((found - expected).abs() < 1e-9, "{text}: {found}, not {expected}");
@@ -125,6 +126,25 @@ fn lists_of_surfaces_are_read() {
         let near = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-9;
         let is_same = found.len() == heights.len() && found.iter().zip(&heights).all(near);
         assert!(is_same, "{text}: {found:?}");
+    }
+}
+
+#[test]
+fn scripts_of_mathmod_are_refused_with_a_way_out() {
+    let ranges = r#""Umin": ["0"], "Umax": ["1"], "Vmin": ["0"], "Vmax": ["1"]"#;
+    let rows = [
+        (
+            format!(r#"{{"Param4D": {{"Fx": ["u"], "Fy": ["v"], "Fz": ["1"], {ranges}}}}}"#),
+            "Param4D",
+        ),
+        (format!(r#"{{"Param3D": {{"Fx": ["NoiseW(u,v,1)"], "Fy": ["v"], {ranges}}}}}"#), "noise"),
+        (r#"{"Param3D": {"Fx": ["u"], "Fy": ["v"], "Fz": ["1"]}}"#.to_owned(), "ranges"),
+        (format!(r#"{{"Param3D": {{"Name": ["a"], {ranges}}}}}"#), "formula"),
+    ];
+    for (text, part) in rows {
+        let errors = read(&text, &Options::default()).expect_err(&text);
+        let said = errors.render(None, &text, false);
+        assert!(said.contains(part) && said.contains("= help: "), "{text}: {said}");
     }
 }
 
