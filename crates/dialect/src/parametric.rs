@@ -27,8 +27,8 @@ const MAX_DEPTH: usize = 16;
 
 impl ProgramReader<'_> {
     /// A command with the list in place of the name of a list, as in `f = (u, v, u*v)` and
-    /// `parametric_plot3d(f, …)`. Brackets around both ranges, which Giac writes, are left out. Returns
-    /// also the name that was replaced.
+    /// `parametric_plot3d(f, …)`. Brackets around both ranges, which Giac writes, are left out.
+    /// Returns also the name that was replaced.
     pub(crate) fn with_listed_point(&self, tokens: &[Token]) -> (Vec<Token>, Option<String>) {
         let mut all = tokens.to_vec();
         let words = self.words;
@@ -161,8 +161,8 @@ impl ProgramReader<'_> {
         all
     }
 
-    /// `tokens` with values in place of the names whose values use `parameters`. Adds those names to
-    /// `replaced`.
+    /// `tokens` with values in place of the names whose values use `parameters`. Adds those names
+    /// to `replaced`.
     fn over_parameters(
         &self,
         tokens: &[Token],
