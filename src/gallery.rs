@@ -16,7 +16,8 @@ pub struct Example {
     pub text: &'static str,
 }
 
-/// Returns all surfaces of the gallery, in alphabetical order of their names.
+/// Returns all surfaces of the gallery: equations and solids in alphabetical order of their names,
+/// then parametric surfaces.
 ///
 /// ```
 /// let gyroid = zeroset::gallery().find(|example| example.name == "gyroid").unwrap();
@@ -24,7 +25,7 @@ pub struct Example {
 /// # Ok::<(), zeroset::Error>(())
 /// ```
 pub fn gallery() -> impl Iterator<Item = Example> {
-    gallery::examples().into_iter().map(|example| Example {
+    [gallery::examples(), gallery::parametric()].concat().into_iter().map(|example| Example {
         name: example.slug,
         title: example.title(),
         summary: example.summary(),

@@ -199,5 +199,5 @@ fn rows_of_tables_are_found_by_their_names() {
     assert_eq!(zeroset::Method::default().name(), "affine");
     let error = "newton".parse::<zeroset::Method>().expect_err("no method");
     assert!(error.to_string().starts_with("'newton' is not a method: affine, knoll"), "{error}");
-    assert!(zeroset::gallery().count() >= 65);
+    assert!(zeroset::gallery().count() >= 95);
 }

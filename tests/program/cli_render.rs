@@ -786,7 +786,7 @@ fn the_gallery_is_listed_and_rendered_without_a_checkout() {
     let list = place.run(&["gallery", "--list"]).ok();
     let names: Vec<&str> =
         list.text().lines().filter_map(|line| line.split_whitespace().next()).collect();
-    assert!(names.len() >= 65 && names.contains(&"klein-bottle"));
+    assert!(names.len() >= 95 && names.contains(&"klein-bottle"));
     place.run(&["gallery", "-o", "out/pictures", "--size", "24"]).ok();
     // The models are listed behind the gallery, and not rendered with it.
     let (names, models) = names.split_at(names.len() - 5);

@@ -21,7 +21,7 @@ pub fn candidates(line: &str, pos: usize) -> (usize, Vec<String>) {
             return (start, names.map(str::to_owned).collect());
         }
         if let Some((_, name)) = rest.split_once(' ').filter(|(command, _)| *command == "load") {
-            let known = gallery::examples().into_iter().chain(gallery::models());
+            let known = gallery::all().into_iter();
             let slugs = known.map(|example| example.slug.to_owned());
             let found = slugs.filter(|slug| slug.starts_with(name)).collect();
             return (pos - name.len(), found);

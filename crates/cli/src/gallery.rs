@@ -15,22 +15,22 @@ use std::process::ExitCode;
 use zeroset_render::overlay::{Overlay, PictureView};
 use zeroset_render::picture::Settings;
 use zeroset_render::png_file::{PngFormat, write_png};
-use zeroset_scene::gallery::{Example, examples, models};
+use zeroset_scene::gallery::{Example, all, examples, parametric};
 
 const SHEET: &str = "contact-sheet.png";
 
 pub fn run(arguments: &GalleryArgs) -> Result<ExitCode> {
-    let examples = examples();
     if arguments.list {
-        print(&listed(&[examples, models()].concat()))?;
+        print(&listed(&all()))?;
         return Ok(ExitCode::SUCCESS);
     }
+    let examples = [examples(), parametric()].concat();
     arguments.size.held_whole()?;
     let directory = arguments.output.as_deref().context("no directory to write to: add -o DIR")?;
     let settings = with_effects(&method_settings(&arguments.tracing, arguments.size)?);
     std::fs::create_dir_all(directory)
         .with_context(|| format!("cannot make the directory '{}'", directory.display()))?;
-    in_threads(arguments.tracing.threads, || all(&examples, directory, &settings))?;
+    in_threads(arguments.tracing.threads, || render_all(&examples, directory, &settings))?;
     notes::note(&format!(
         "{} pictures and {SHEET} are in '{}'",
         examples.len(),
@@ -49,7 +49,7 @@ pub fn listed(examples: &[Example]) -> String {
     lines
 }
 
-fn all(examples: &[Example], directory: &Path, settings: &Settings) -> Result<()> {
+fn render_all(examples: &[Example], directory: &Path, settings: &Settings) -> Result<()> {
     let sheet_file = OutputFile::create(&directory.join(SHEET))?;
     let mut sheet = ContactSheet::new(examples.len());
     let bar = Progress::new(examples.len() as u64, "gallery");

@@ -24,7 +24,7 @@ use zeroset_render::overlay::Overlay;
 use zeroset_render::picture::Settings;
 use zeroset_render::pixels::{Pixels, samples};
 use zeroset_render::png_file::{PngFormat, check_png, write_png};
-use zeroset_scene::gallery::{example, examples, models};
+use zeroset_scene::gallery::{all, example};
 
 /// The gallery surface that is shown if no document is given.
 const DEFAULT_SURFACE: &str = "gyroid";
@@ -344,7 +344,7 @@ impl Session {
             Reply::Say(text) => Ok(Some(text)),
             Reply::Gallery => {
                 if self.in_terminal.load(Ordering::Relaxed) {
-                    self.say(listed(&[examples(), models()].concat()).trim_end());
+                    self.say(listed(&all()).trim_end());
                 }
                 self.gallery.store(true, Ordering::Relaxed);
                 Ok(None)

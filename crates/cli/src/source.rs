@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 use zeroset_live::{DocumentSource, quote};
-use zeroset_scene::gallery::{Example, example, examples, models};
+use zeroset_scene::gallery::{Example, all, example};
 
 /// Longest text that is read, in bytes. The parser's own limit is lower.
 const LONGEST: u64 = 80 << 20;
@@ -97,7 +97,7 @@ pub fn misspelt(text: &str) -> Option<&'static str> {
     if text.len() < SHORTEST || text.len() > 40 || !is_word {
         return None;
     }
-    let slugs = || examples().into_iter().chain(models()).map(|example| example.slug);
+    let slugs = || all().into_iter().map(|example| example.slug);
     let distance = |slug: &str| strsim::damerau_levenshtein(slug, text);
     let begun = slugs().find(|slug| slug.starts_with(text));
     let near = || slugs().filter(|slug| distance(slug) <= 2 && distance(slug) * 3 <= text.len());

@@ -40,6 +40,11 @@ const LISTS: &[&str] = &["array", "stack", "Vector", "vector", "Matrix"];
 /// Commands that draw the segment between two points.
 const SEGMENTS: &[&str] = &["segment", "Segment", "vector", "Vector", "arrow", "Arrow"];
 
+/// Returns whether a word is a command that may plot a parametric surface.
+pub(crate) fn draws_surface(word: &str) -> bool {
+    COMMANDS.contains(&word) || SURFACES.contains(&word)
+}
+
 /// The tokens of a point with these coordinates.
 fn point(coordinates: &[Vec<Token>]) -> Vec<Token> {
     let mut inner = Vec::new();
@@ -50,6 +55,35 @@ fn point(coordinates: &[Vec<Token>]) -> Vec<Token> {
         inner.extend(coordinate);
     }
     in_brackets(&inner)
+}
+
+/// The tokens of a curve or a parametric surface with these coordinates, over the ranges of its
+/// parameters.
+pub(crate) fn path_of(
+    place: Span,
+    parts: &[Vec<Token>],
+    ranges: &[(Token, &PlotRange)],
+) -> Vec<Token> {
+    let sign = |kind: TokenKind, at: usize| Token::new(kind, Span::at(at));
+    let start = place.start;
+    let mut all = vec![sign(CurveWord, start), sign(OpenParen, start)];
+    for (index, part) in parts.iter().enumerate() {
+        let span = span_of(part).unwrap_or(place);
+        if index > 0 {
+            all.push(sign(Comma, span.start));
+        }
+        all.extend(part);
+    }
+    all.extend(ranges.first().map(|(_, range)| sign(CloseParen, range.low[0].span.start)));
+    for (name, PlotRange { low, high, .. }) in ranges {
+        let (from, to) = (low[0].span.start, high[high.len() - 1].span.end);
+        all.extend([sign(For, from), *name, sign(In, from), sign(OpenBracket, from)]);
+        all.extend(low);
+        all.push(sign(Comma, high[0].span.start));
+        all.extend(high);
+        all.push(sign(CloseBracket, to));
+    }
+    all
 }
 
 impl Words<'_> {
@@ -125,10 +159,7 @@ impl Words<'_> {
         self,
         tokens: &[Token],
     ) -> Fallible<Option<(Vec<Token>, Option<Note>)>> {
-        let at = tokens.iter().take(8).position(|token| {
-            let word = self.word(*token);
-            COMMANDS.contains(&word) || SURFACES.contains(&word)
-        });
+        let at = tokens.iter().take(8).position(|token| draws_surface(self.word(*token)));
         let Some(at) = at else { return Ok(self.common_curve(tokens)) };
         let is_before = |token: &Token| {
             token.kind.is_name() || matches!(token.kind, Equals | Comma) || self.is_dot(*token)
@@ -418,36 +449,22 @@ impl Words<'_> {
         parts: &[(Vec<Token>, Vec<Token>)],
         ranges: &[(Token, &PlotRange)],
     ) -> Vec<Token> {
-        let sign = |kind: TokenKind, at: usize| Token::new(kind, Span::at(at));
-        let start = place.start;
-        let mut all = vec![sign(CurveWord, start), sign(OpenParen, start)];
-        for (index, (_, part)) in parts.iter().enumerate() {
-            let span = span_of(part).unwrap_or(place);
-            if index > 0 {
-                all.push(sign(Comma, span.start));
-            }
-            all.extend(part);
+        let called = |(_, part): &(Vec<Token>, Vec<Token>)| {
+            let mut part = part.clone();
             if let [function] = part.as_slice()
                 && self.is_function(*function)
             {
-                all.push(sign(OpenParen, span.end));
+                let end = function.span.end;
+                part.push(Token::new(OpenParen, Span::at(end)));
                 for (index, (name, _)) in ranges.iter().enumerate() {
-                    all.extend((index > 0).then(|| sign(Comma, span.end)));
-                    all.push(*name);
+                    part.extend((index > 0).then(|| Token::new(Comma, Span::at(end))));
+                    part.push(*name);
                 }
-                all.push(sign(CloseParen, span.end));
+                part.push(Token::new(CloseParen, Span::at(end)));
             }
-        }
-        all.extend(ranges.first().map(|(_, range)| sign(CloseParen, range.low[0].span.start)));
-        for (name, PlotRange { low, high, .. }) in ranges {
-            let (from, to) = (low[0].span.start, high[high.len() - 1].span.end);
-            all.extend([sign(For, from), *name, sign(In, from), sign(OpenBracket, from)]);
-            all.extend(low);
-            all.push(sign(Comma, high[0].span.start));
-            all.extend(high);
-            all.push(sign(CloseBracket, to));
-        }
-        all
+            part
+        };
+        path_of(place, &parts.iter().map(called).collect::<Vec<_>>(), ranges)
     }
 
     /// Returns whether the text defines a name as an anonymous function.

@@ -15,10 +15,30 @@ use zeroset_parser::{Error, ErrorKind, Fallible, Limits, Note, NoteKind, Span};
 /// Number of keys that a note quotes.
 const MAX_KEYS: usize = 6;
 
+/// The reason for refusing a surface of three.js: a function sets its coordinates one by one.
+const THREE_JS: ErrorKind = ErrorKind::Format {
+    format: "three.js",
+    read: "functions that set a point, as `ParametricGeometry` takes, are not read",
+    help: "write the coordinates: `(cos u, sin u, v) for u in [0, 2pi], v in [0, 1]`",
+};
+
+/// The reason for refusing a surface of `MathMod` in four dimensions.
+const FOUR_DIMENSIONS: ErrorKind = ErrorKind::Format {
+    format: "MathMod",
+    read: "surfaces in four dimensions (`Param4D`) are not read",
+    help: "write three coordinates, as in `(cos u, sin u, v) for u in [0, 2pi], v in [0, 1]`",
+};
+
 /// Reads a text of another format; `None` for any other text.
 pub(crate) fn foreign_text(text: &str, limits: &Limits) -> Fallible<Option<ForeignText>> {
     if is_mathmod(text) {
         return mathmod(text, limits).map(Some);
+    }
+    if let Some(at) = text.find("\"Param4D\"").filter(|_| text.trim_start().starts_with('{')) {
+        return Err(Error::new(Span::new(at, at + "\"Param4D\"".len()), FOUR_DIMENSIONS));
+    }
+    if let Some(at) = text.find("ParametricGeometry(").filter(|_| text.contains("target.set(")) {
+        return Err(Error::new(Span::new(at, at + "ParametricGeometry".len()), THREE_JS));
     }
     if !text.starts_with("type=implicit;") {
         return match scheme(text, limits)? {

@@ -77,9 +77,11 @@ impl ProgramReader<'_> {
         let words = self.words;
         if let [set, name, range @ ..] = tokens
             && words.word(*set) == "set"
-            && let Some((inner, [])) = bracketed(range)
+            && let Some((inner, behind)) = bracketed(range)
+            && behind.iter().all(|token| token.kind.is_name())
         {
-            let is_axis = matches!(words.word(*name), "xrange" | "yrange" | "urange" | "trange");
+            let name_of = words.word(*name);
+            let is_axis = matches!(name_of, "xrange" | "yrange" | "urange" | "vrange" | "trange");
             if let (true, Ok(ends)) = (is_axis, <[_; 2]>::try_from(split(inner, Colon))) {
                 self.ranges.insert(words.word(*name).to_owned(), ends);
                 return Ok(true);
@@ -122,7 +124,10 @@ impl ProgramReader<'_> {
             self.ranges.insert(words.word(*name).to_owned(), ends);
             return Ok(true);
         }
-        if !is_list || !self.has_grid || value.len() == 1 {
+        // In `v = u`, the second range is as the first one.
+        let is_same = !name.kind.is_axis()
+            && matches!(value, [other] if self.ranges.contains_key(words.word(*other)));
+        if !is_list || !self.has_grid || value.len() == 1 && (self.is_python || !is_same) {
             return Ok(false);
         }
         let Some(ends) = self.range_ends(value, false, frame) else { return Ok(false) };
@@ -240,7 +245,8 @@ impl ProgramReader<'_> {
         factor: Option<&[Token]>,
         frame: &mut Frame,
     ) -> Fallible<()> {
-        let own = |name: &Token| named_axis(self.words.word(*name));
+        let words = self.words;
+        let own = |name: &Token| named_axis(words.word(*name));
         let own_axes: Vec<Option<Token>> =
             names.iter().map(|name| Some(Token::new(own(name)?, name.span))).collect();
         let axes = axes_of(&own_axes, false)?;
@@ -262,6 +268,13 @@ impl ProgramReader<'_> {
             self.program.notes.push(Note { span, kind });
             return Ok(());
         };
+        // Coordinates that are computed from the grid are over these ranges.
+        for (name, PlotRange { low, high, .. }) in names.iter().zip(&ranges) {
+            if own(name).is_none() {
+                let word = self.words.word(*name).to_owned();
+                self.ranges.entry(word).or_insert([low.clone(), high.clone()]);
+            }
+        }
         self.add_domain(&ranges, &axes, names[0].span, &frame.aliases.clone())
     }
 

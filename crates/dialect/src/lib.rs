@@ -30,6 +30,7 @@ mod needed;
 mod notebook;
 mod notebook_drawings;
 mod numpy;
+mod parametric;
 mod plot_arguments;
 mod plot_blocks;
 mod plot_commands;

@@ -1,13 +1,15 @@
-//! Reads scripts of `MathMod`: the implicit surfaces of an object `Iso3D`, with its constants and
-//! functions. Formulas are scanned in a copy of the text in which all else is blank.
+//! Reads scripts of `MathMod`: the implicit surfaces of an object `Iso3D` and the parametric ones
+//! of `Param3D`, with their constants and functions. Formulas are scanned in a copy of the text in
+//! which all else is blank.
 
+use crate::curve_commands::path_of;
 use crate::formats::{part, unread_keys};
 use crate::plot_arguments::PlotRange;
 use crate::program::{ForeignStatement, ForeignText};
 use std::ops::Range;
 use zeroset_ir::Axis;
 use zeroset_parser::lex::token::Token;
-use zeroset_parser::lex::token_kind::TokenKind::*;
+use zeroset_parser::lex::token_kind::TokenKind::{self, *};
 use zeroset_parser::tree::aliases::Aliases;
 use zeroset_parser::tree::ast::{Expr, ExprKind, Function, Name, NamedValue};
 use zeroset_parser::tree::raw_statement::Head;
@@ -17,7 +19,7 @@ use zeroset_parser::{Error, ErrorKind, Fallible, Limits, Span};
 #[rustfmt::skip] // several words a line
 const READ: &[&str] = &[
     "const", "funct", "varu", "fxyz", "xmin", "xmax", "ymin", "ymax", "zmin", "zmax", "iso3d",
-    "mathmodels",
+    "mathmodels", "param3d", "fx", "fy", "fz", "umin", "umax", "vmin", "vmax",
 ];
 
 /// Functions of `MathMod` that have no counterpart.
@@ -39,30 +41,29 @@ struct MathModReader<'a> {
     of_axes: Vec<String>,
 }
 
-/// Reads a script.
+/// Reads a script. If it has several objects, the first is drawn.
 ///
 /// # Errors
-/// If the script has no implicit surface, or uses a function that has no counterpart here.
+/// If the script has no surface, or uses a function that has no counterpart here.
 pub(crate) fn mathmod(text: &str, limits: &Limits) -> Fallible<ForeignText> {
-    let (at, start) = match text.find("\"Iso3D\"") {
-        Some(at) => (at, at + "\"Iso3D\"".len()),
-        None if text.contains("\"Fxyz\"") => (0, 0),
-        None => {
-            let at = text.find("\"Param3D\"").unwrap_or(0);
-            return Err(Error::new(Span::at(at), ErrorKind::Parametric));
-        }
+    let key = |key: &'static str| text.find(key).map(|at| (at, key));
+    let implicit = key("\"Iso3D\"");
+    let is_later = |(at, _): &(usize, &str)| implicit.is_some_and(|(other, _)| other < *at);
+    let parametric = key("\"Param3D\"").filter(|found| !is_later(found));
+    let (at, start) = match parametric.or(implicit) {
+        Some((at, key)) => (at, at + key.len()),
+        None => (0, 0),
     };
     let members = members(text, start);
     let (statements, of_axes) = (Vec::new(), Vec::new());
     let mut reader = MathModReader { text, limits, members, statements, of_axes };
-    reader.definitions()?;
-    let formulas = reader.values("Fxyz");
-    let span = formulas.first().map_or(Span::at(at), |first| Span::new(first.start, first.end));
-    for range in formulas {
-        let tokens = reader.formula(range)?;
-        let aliases =
-            reader.aliases(&|axis| ExprKind::Name(NamedValue::Coordinate(axis)), &NamedValue::Time);
-        reader.statements.push(ForeignStatement { tokens, head: None, aliases });
+    reader.definitions(parametric.is_some())?;
+    let drawn = reader.values(if parametric.is_some() { "Fx" } else { "Fxyz" });
+    let span = drawn.first().map_or(Span::at(at), |first| Span::new(first.start, first.end));
+    if parametric.is_some() {
+        reader.parametric(span)?;
+    } else {
+        reader.implicit(drawn)?;
     }
     if reader.statements.last().is_none_or(|last| last.head.is_some()) {
         return Err(Error::new(span, ErrorKind::NoFormula));
@@ -79,15 +80,60 @@ impl MathModReader<'_> {
         found.map_or(Vec::new(), |(_, values)| values.clone())
     }
 
-    /// Reads the constants, the functions of one coordinate, and the functions of all of them.
-    fn definitions(&mut self) -> Fallible<()> {
+    /// Reads the functions that are drawn where they are 0.
+    fn implicit(&mut self, formulas: Vec<Range<usize>>) -> Fallible<()> {
+        for range in formulas {
+            let tokens = self.formula(range)?;
+            let aliases = self
+                .aliases(&|axis| ExprKind::Name(NamedValue::Coordinate(axis)), &NamedValue::Time);
+            self.statements.push(ForeignStatement { tokens, head: None, aliases });
+        }
+        Ok(())
+    }
+
+    /// Reads the coordinates of parametric surfaces, with the ranges of u and v.
+    fn parametric(&mut self, place: Span) -> Fallible<()> {
+        for index in 0..self.values("Fx").len() {
+            let value = |key: &str| {
+                let range = self.values(key).get(index).cloned();
+                range.map_or(Err(Error::new(place, ErrorKind::Parametric)), |r| self.formula(r))
+            };
+            let parts = [value("Fx")?, value("Fy")?, value("Fz")?];
+            let [low_u, high_u] = [value("Umin")?, value("Umax")?];
+            let [low_v, high_v] = [value("Vmin")?, value("Vmax")?];
+            let of_u = PlotRange { name: None, low: low_u, high: high_u };
+            let of_v = PlotRange { name: None, low: low_v, high: high_v };
+            // A token's name is that of its place in the text.
+            let named = |name: &str| {
+                let mut tokens = parts.iter().flatten();
+                let is_own = |token: &&Token| &self.text[token.span.range()] == name;
+                let used = tokens.find(is_own).map(|token| token.span);
+                let found = used.or_else(|| {
+                    let at = self.text.find(name)?;
+                    Some(Span::new(at, at + name.len()))
+                });
+                found.map(|span| Token::new(TokenKind::Name, span))
+            };
+            let names = named("u").zip(named("v"));
+            let (u, v) = names.ok_or_else(|| Error::new(place, ErrorKind::Parametric))?;
+            let tokens = path_of(place, &parts, &[(u, &of_u), (v, &of_v)]);
+            self.statements.push(ForeignStatement::plain(tokens));
+        }
+        Ok(())
+    }
+
+    /// Reads the constants, the functions of one coordinate, and the functions of all of them, or
+    /// of both parameters.
+    fn definitions(&mut self, is_parametric: bool) -> Fallible<()> {
         let parameters = |names: &[&str], span: Span| {
             let name = |text: &&str| Name { text: (*text).to_owned(), span };
             names.iter().map(name).collect::<Vec<Name>>()
         };
-        for (key, names) in
-            [("Const", &[][..]), ("Varu", &["u", "tm"]), ("Funct", &["x", "y", "z", "t"])]
-        {
+        let of_coordinates =
+            [("Const", &[][..]), ("Varu", &["u", "tm"]), ("Funct", &["x", "y", "z", "t"])];
+        let of_parameters = [("Const", &[][..]), ("Funct", &["u", "v", "t"])];
+        let keys = if is_parametric { &of_parameters[..] } else { &of_coordinates };
+        for (key, names) in keys.iter().copied() {
             for range in self.values(key) {
                 let Some(sign) = self.text[range.clone()].find('=') else { continue };
                 let typed = &self.text[range.start..range.start + sign];

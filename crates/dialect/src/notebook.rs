@@ -1,7 +1,7 @@
 //! Reads notebooks of Python: the calls that draw, wherever they stand in a statement, and the
 //! scalars of grids. A statement that neither defines nor draws is left out, with one note.
 
-use crate::curve_commands::{COMMANDS, LISTED};
+use crate::curve_commands::{COMMANDS, LISTED, draws_surface};
 use crate::drawing_calls::{DRAWING_CALLS, WRAPPERS};
 use crate::formats::part;
 use crate::plot_commands::{CONTAINERS, GRIDS, is_plot};
@@ -32,7 +32,7 @@ impl Words<'_> {
         let word = value.first().map_or("", |first| self.word(*first));
         let is_open = |next: &Token| matches!(next.kind, OpenParen | OpenBracket | OpenBrace);
         let is_command = is_plot(word)
-            || COMMANDS.contains(&word)
+            || draws_surface(word)
             || LISTED.contains(&word)
             || matches!(word, "contour" | "Manipulate" | "Table");
         is_command && value.get(1).is_some_and(is_open)

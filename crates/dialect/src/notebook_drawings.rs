@@ -133,13 +133,7 @@ impl ProgramReader<'_> {
                 let surface = self.surface_over_ranges(&own, given, &value, call.name.span);
                 let (surface, names) =
                     surface.ok_or_else(|| Error::new(call.name.span, ErrorKind::Parametric))?;
-                let mut frame = frame.clone();
-                // As coordinates of a grid, they were read as x and y before.
-                for name in names {
-                    let name = self.words.word(name).to_owned();
-                    frame.aliases.push(name.clone(), ExprKind::Name(NamedValue::Local(name)));
-                }
-                return self.plain(surface, &frame, false).map(|()| true);
+                return self.plain_over(surface, &names, frame).map(|()| true);
             }
         }
         let value = self.field(&value, frame)?;
@@ -149,7 +143,7 @@ impl ProgramReader<'_> {
     /// The statement of a surface whose coordinates are computed from two ranges: x and y as named
     /// arguments or as `given`, and z. Returns also the names of the ranges. `None` if they do not
     /// use two.
-    fn surface_over_ranges(
+    pub(crate) fn surface_over_ranges(
         &self,
         named: &[Option<Vec<Token>>],
         given: &[Vec<Token>],
@@ -208,7 +202,7 @@ impl ProgramReader<'_> {
     }
 
     /// Returns whether a coordinate of a grid is computed from others, as on a parametric surface.
-    fn is_computed(&self, part: &[Token], axis: Axis, frame: &Frame) -> bool {
+    pub(crate) fn is_computed(&self, part: &[Token], axis: Axis, frame: &Frame) -> bool {
         let [name] = part else { return part.iter().any(|token| token.kind.is_name()) };
         let word = self.words.word(*name);
         let own = ExprKind::Name(NamedValue::Coordinate(axis));

@@ -40,6 +40,37 @@ impl Words<'_> {
         (parts.len() == 3 && !has_two).then(|| self.path(tokens[0].span, &parts, &[(name, &range)]))
     }
 
+    /// The surface of gnuplot's `splot cos(u)*v, sin(u)*v, v` after `set parametric`, over the
+    /// ranges of u and v.
+    pub(crate) fn surface_splot(
+        self,
+        tokens: &[Token],
+        ranges: [Option<&[Vec<Token>; 2]>; 2],
+    ) -> Option<Vec<Token>> {
+        let [Some(of_u), Some(of_v)] = ranges else { return None };
+        if self.word(tokens[0]) != "splot" || !self.text.contains("set parametric") {
+            return None;
+        }
+        let ends =
+            |token: &Token| SPLOT_WORDS.contains(&self.word(*token)) && self.word(*token) != "u";
+        let parts: Vec<(Vec<Token>, Vec<Token>)> = split(&tokens[1..], Comma)
+            .into_iter()
+            .map(|part| (Vec::new(), part.into_iter().take_while(|token| !ends(token)).collect()))
+            .collect();
+        let named = |name: &str| {
+            let mut tokens = parts.iter().flat_map(|(_, part)| part);
+            tokens.find(|token| self.word(**token) == name).copied()
+        };
+        let (u, v) = named("u").zip(named("v"))?;
+        let [of_u, of_v] = [of_u, of_v].map(|[low, high]| PlotRange {
+            name: None,
+            low: low.clone(),
+            high: high.clone(),
+        });
+        let place = tokens[0].span;
+        (parts.len() == 3).then(|| self.path(place, &parts, &[(u, &of_u), (v, &of_v)]))
+    }
+
     /// Reads gnuplot's `splot [-2:2][-2:2] f with lines`. `tokens` begin after the word `splot`.
     pub(crate) fn splot(self, tokens: &[Token]) -> Plot {
         let mut rest = tokens;

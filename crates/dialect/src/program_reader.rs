@@ -511,16 +511,31 @@ impl ProgramReader<'_> {
         if self.listed_curve(tokens, frame)? || self.contour_command(tokens, frame)? {
             return Ok(true);
         }
+        if self.surface_over_grids(tokens, frame)? {
+            return Ok(true);
+        }
+        if let Some(surface) = self.parametric_surface_splot(tokens) {
+            return self.plain(surface, frame, false).map(|()| true);
+        }
         let set = ["urange", "trange"].iter().find_map(|name| self.ranges.get(*name));
         if let Some(curve) = self.words.parametric_splot(tokens, set) {
             return self.plain(curve, frame, false).map(|()| true);
         }
+        if self.adds_plots(tokens) || self.surface_list(tokens, frame)? {
+            return Ok(true);
+        }
+        let mut list = None;
         let curve = match self.curve(tokens) {
-            None if self.arity(tokens[0]).is_none() => self.words.curve_command(tokens)?,
+            None if self.arity(tokens[0]).is_none() => {
+                let (tokens, replaced) = self.with_listed_point(tokens);
+                list = replaced;
+                self.words.curve_command(&tokens)?
+            }
             found => found.map(|curve| (curve, None)),
         };
         if let Some((curve, note)) = curve {
             self.program.notes.extend(note);
+            let curve = self.with_own_values(curve, list);
             return self.plain(curve, frame, false).map(|()| true);
         }
         if self.names_region(tokens) {

@@ -1,7 +1,7 @@
 //! Recognizes statements of other systems that only style or show a picture.
 
 use crate::program_words::Words;
-use zeroset_parser::lex::token::{Token, bracketed, closing};
+use zeroset_parser::lex::token::{Token, bracketed, closing, split};
 use zeroset_parser::lex::token_kind::TokenKind::*;
 
 /// Words before the options of a command, as in `axis equal` and `title('A surface')`.
@@ -11,7 +11,7 @@ const COMMANDS: &[&str] = &[
     "title", "xlabel", "ylabel", "zlabel", "xlim", "ylim", "zlim", "daspect", "pbaspect",
     "print", "fig2plotly", "set", "unset", "pause", "disp", "drawnow", "rotate3d", "figure",
     "hold", "axes", "light", "legend", "view", "Export", "size", "subplot", "Graphics3d", "clf",
-    "patch", "isonormals", "isocaps", "gca", "gcf", "show",
+    "patch", "isonormals", "isocaps", "gca", "gcf", "show", "lightangle", "caxis",
 ];
 
 /// Objects whose members only style or show a picture.
@@ -30,6 +30,14 @@ const METHODS: &[&str] = &["show", "save", "savefig", "print"];
 impl Words<'_> {
     /// Returns whether a statement only styles or shows a picture.
     pub(crate) fn is_style(self, tokens: &[Token]) -> bool {
+        // MATLAB ends a command by a comma, too: `axis equal, box on`.
+        let parts = split(tokens, Comma);
+        let has_parts = tokens.iter().any(|token| token.kind == Comma);
+        self.is_one_style(tokens)
+            || has_parts && !parts.is_empty() && parts.iter().all(|part| self.is_one_style(part))
+    }
+
+    fn is_one_style(self, tokens: &[Token]) -> bool {
         let start = match tokens {
             [_, equals, value, _, ..] if equals.kind == Equals && self.word(*value) == "patch" => 2,
             _ => 0,
@@ -84,8 +92,11 @@ impl Words<'_> {
     /// Returns whether a statement switches the axes or sets the range of one.
     fn is_of_axes(self, tokens: &[Token]) -> bool {
         match tokens {
+            // MATLAB's `axis off` is a style.
             [first, second] => {
-                self.word(*first) == "axis" && matches!(self.word(*second), "on" | "off")
+                self.word(*first) == "axis"
+                    && matches!(self.word(*second), "on" | "off")
+                    && !self.text.contains("meshgrid(")
             }
             [first, open, inner, ..] => {
                 matches!(self.word(*first), "xlim" | "ylim" | "zlim")

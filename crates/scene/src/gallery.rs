@@ -1,11 +1,11 @@
-//! The gallery and the models: function files embedded in the program. No source checkout is
-//! needed.
+//! The gallery, parametric surfaces and models: function files embedded in the program. No source
+//! checkout is needed.
 
 use include_dir::{Dir, include_dir};
 
 static FILES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../../examples");
 
-/// A surface of the gallery, or a model.
+/// A surface of the gallery, a parametric surface, or a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Example {
     /// The name that selects it: lower case, with hyphens.
@@ -31,9 +31,20 @@ impl Example {
     }
 }
 
-/// All surfaces of the gallery, sorted by slug.
+/// All equations and solids of the gallery, sorted by slug.
 pub fn examples() -> Vec<Example> {
     sorted(&FILES)
+}
+
+/// All parametric surfaces of the gallery, sorted by slug. They have a directory of their own,
+/// since checks of equations and solids walk over [`examples`].
+pub fn parametric() -> Vec<Example> {
+    FILES.get_dir("parametric").map_or_else(Vec::new, sorted)
+}
+
+/// All texts: those of [`examples`], of [`parametric`], then [`models`].
+pub fn all() -> Vec<Example> {
+    [examples(), parametric(), models()].concat()
 }
 
 /// All models, sorted by slug. They are solids of many parts, made by builders.
@@ -58,10 +69,7 @@ fn sorted(directory: &'static Dir<'_>) -> Vec<Example> {
 pub fn example(name: &str) -> Option<Example> {
     let name = name.trim();
     let called = |other: &str| other.eq_ignore_ascii_case(name);
-    examples()
-        .into_iter()
-        .chain(models())
-        .find(|example| called(example.slug) || called(example.title()))
+    all().into_iter().find(|example| called(example.slug) || called(example.title()))
 }
 
 #[cfg(test)]
@@ -87,11 +95,21 @@ mod tests {
         assert_eq!(embedded, found);
         assert!(embedded.len() >= 65);
         assert_eq!(models().len(), 5);
+        assert!(parametric().len() >= 30);
+    }
+
+    #[test]
+    fn no_two_texts_share_a_name() {
+        let mut slugs: Vec<&str> = all().iter().map(|example| example.slug).collect();
+        let count = slugs.len();
+        slugs.sort_unstable();
+        slugs.dedup();
+        assert_eq!(slugs.len(), count);
     }
 
     #[test]
     fn every_example_says_what_it_is_under_its_own_name() {
-        for example in examples().into_iter().chain(models()) {
+        for example in all() {
             assert_eq!(slug(example.title()), example.slug);
             let summary = example.summary();
             assert!(summary.len() > 30 && summary.ends_with('.'), "{}", example.slug);

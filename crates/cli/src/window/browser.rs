@@ -299,7 +299,7 @@ mod tests {
     fn letters_choose_by_name_and_title() {
         let thumbnails = Some(Thumbnails::new(1.0));
         let mut browser = Browser { thumbnails, ..Browser::default() };
-        assert!(browser.matches().len() >= 65);
+        assert!(browser.matches().len() >= 95);
         browser.filter = "Bar sex".to_owned();
         let examples = zeroset_scene::gallery::examples();
         let names: Vec<&str> =

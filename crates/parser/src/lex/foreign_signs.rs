@@ -64,9 +64,9 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
             if dots == 3 && rest[3..].trim_start_matches([' ', '\t', '\r']).starts_with('\n') {
                 return Some((Blank, 3 + rest[3..].find('\n')? + 1));
             }
-            // Elementwise operators of MATLAB, such as `.*`.
-            let is_number = context.touching == Some(Number);
-            if dots == 1 && !is_number && rest[1..].starts_with(['*', '/', '^']) {
+            // Elementwise operators of MATLAB, such as `.*`, also behind `0.5`. The point of `2.*x`
+            // belongs to the number.
+            if dots == 1 && rest[1..].starts_with(['*', '/', '^']) {
                 return Some((Blank, 1));
             }
             // A function of all elements in Julia, as in `f.(x)`.

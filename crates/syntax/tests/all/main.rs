@@ -9,6 +9,8 @@ mod hints;
 mod hostile;
 mod left_over;
 mod lists;
+mod parametric_gallery;
+mod parametric_texts;
 mod patches;
 mod render;
 mod round_trip;

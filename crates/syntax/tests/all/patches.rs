@@ -49,6 +49,7 @@ fn a_torus_of_several_systems_is_the_same() {
     for text in TORUS {
         let document = document(text);
         assert_eq!((document.patches.all.len(), document.surfaces.len()), (1, 0), "{text}");
+        assert!(document.domain.is_none(), "{text}");
         let expected = point.into_iter().chain([0.0, full, 0.0, full]);
         for (found, expected) in values(&document).into_iter().zip(expected) {
             assert!((found - expected).abs() < 1e-9, "{text}: {found}, not {expected}");
@@ -83,4 +84,75 @@ fn mistakes_in_parametric_surfaces_are_named() {
         let said = errors.render(None, text, false);
         assert!(said.contains(part), "{text}: {said}");
     }
+}
+
+#[test]
+fn values_that_use_the_parameters_may_be_defined_before_the_command() {
+    let command = "parametric_plot3d([r*cos(u), f_y, v], (u, 0, 2*pi), (v, 0, 1))";
+    let text = format!("a = 2 in [1, 3]\nr = a + v\nf_y = r*sin(u)\n{command}");
+    let document = document(&text);
+    // The slider stays one.
+    assert_eq!(document.parameters.len(), 1);
+    assert_eq!((document.patches.all.len(), document.surfaces.len()), (1, 0));
+    let (u, v, a) = (0.75_f64, 2.5_f64, 2.0);
+    let found = values(&document);
+    for (found, expected) in found.iter().zip([(a + v) * u.cos(), (a + v) * u.sin(), v]) {
+        assert!((found - expected).abs() < 1e-9, "{found}, not {expected}");
+    }
+}
+
+#[test]
+fn lists_of_surfaces_are_read() {
+    let one = "Surface(u cos(v), u sin(v), v, u, 0, 1, v, 0, pi)";
+    let rows = [
+        (format!("{{{one}, Surface(u, v, 3, u, 0, 1, v, 0, 1)}}"), vec![2.5, 3.0]),
+        (format!("{one}\nSurface(u, v, 3, u, 0, 1, v, 0, 1)"), vec![2.5, 3.0]),
+        ("Sequence(Surface(u, v, a v, u, 0, 1, v, 0, 1), a, 1, 3)".to_owned(), vec![2.5, 5.0, 7.5]),
+        (
+            "Sequence(Surface(u, v, a, u, 0, 1, v, 0, 1), a, 0, 1, 0.5)".to_owned(),
+            vec![0.0, 0.5, 1.0],
+        ),
+    ];
+    for (text, heights) in rows {
+        let mut document = document(&text);
+        let all = std::mem::take(&mut document.patches.all);
+        let found: Vec<f64> = all
+            .into_iter()
+            .map(|patch| {
+                document.patches.all = vec![patch];
+                values(&document)[2]
+            })
+            .collect();
+        let near = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-9;
+        let is_same = found.len() == heights.len() && found.iter().zip(&heights).all(near);
+        assert!(is_same, "{text}: {found:?}");
+    }
+}
+
+#[test]
+fn scripts_of_mathmod_are_refused_with_a_way_out() {
+    let ranges = r#""Umin": ["0"], "Umax": ["1"], "Vmin": ["0"], "Vmax": ["1"]"#;
+    let rows = [
+        (
+            format!(r#"{{"Param4D": {{"Fx": ["u"], "Fy": ["v"], "Fz": ["1"], {ranges}}}}}"#),
+            "Param4D",
+        ),
+        (format!(r#"{{"Param3D": {{"Fx": ["NoiseW(u,v,1)"], "Fy": ["v"], {ranges}}}}}"#), "noise"),
+        (r#"{"Param3D": {"Fx": ["u"], "Fy": ["v"], "Fz": ["1"]}}"#.to_owned(), "ranges"),
+        (format!(r#"{{"Param3D": {{"Name": ["a"], {ranges}}}}}"#), "formula"),
+    ];
+    for (text, part) in rows {
+        let errors = read(&text, &Options::default()).expect_err(&text);
+        let said = errors.render(None, &text, false);
+        assert!(said.contains(part) && said.contains("= help: "), "{text}: {said}");
+    }
+}
+
+#[test]
+fn a_function_of_three_js_is_refused_with_a_way_out() {
+    let text = "function f(u, v, target) { target.set(u, v, 0); }\n\
+                const g = new ParametricGeometry(f, 9, 9);";
+    let errors = read(text, &Options::default()).expect_err("is not read");
+    let said = errors.render(None, text, false);
+    assert!(said.contains("three.js") && said.contains("write the coordinates"), "{said}");
 }

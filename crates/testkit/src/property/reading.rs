@@ -1,9 +1,9 @@
 //! Every text must be accepted or refused. Accepted statements must print as an equivalent text.
 
 use crate::suite::{Failure, Tally};
-use zeroset_ir::Graph;
+use zeroset_ir::{Graph, NodeId};
 use zeroset_parser::Limits;
-use zeroset_syntax::{Document, Options, parse, read, read_bytes};
+use zeroset_syntax::{Document, Options, Patch, parse, read, read_bytes};
 
 /// Small limits, so that a fuzzer loses little time on texts that expand to large graphs.
 const LIMITS: Limits = Limits {
@@ -67,7 +67,8 @@ pub fn read_and_print(data: &[u8]) -> Result<Tally, Failure> {
 }
 
 fn well_formed(document: &Document, text: &str) -> Result<(), String> {
-    if document.surfaces.is_empty() && document.curves.is_empty() {
+    let patches = &document.patches;
+    if document.surfaces.is_empty() && document.curves.is_empty() && patches.all.is_empty() {
         return Err("nothing to draw, yet accepted".to_owned());
     }
     for note in &document.notes {
@@ -77,7 +78,12 @@ fn well_formed(document: &Document, text: &str) -> Result<(), String> {
         note.render(None, text, true);
     }
     let beyond = document.surfaces.iter().find(|s| s.root.index() >= document.graph.len());
-    beyond.map_or(Ok(()), |surface| Err(format!("a surface without a function: {surface:?}")))
+    if let Some(surface) = beyond {
+        return Err(format!("a surface without a function: {surface:?}"));
+    }
+    let is_beyond = |root: &NodeId| root.index() >= patches.graph.len();
+    let beyond = patches.all.iter().find(|patch| patch_roots(patch).iter().any(is_beyond));
+    beyond.map_or(Ok(()), |patch| Err(format!("a patch without a function: {}", patch.echo)))
 }
 
 /// Prints the statements of `text`. Fails if the printed text reads as other trees.
@@ -94,11 +100,21 @@ fn printed(text: &str) -> Result<String, String> {
     }
 }
 
+/// The coordinates of a parametric surface, and the ends of its ranges.
+fn patch_roots(patch: &Patch) -> Vec<NodeId> {
+    patch.at.iter().chain(patch.ends.as_flattened()).copied().collect()
+}
+
 fn same_graph(document: &Document, printed: &str, options: &Options<'_>) -> Result<(), String> {
     let options = Options { limits: PRINTED, ..*options };
     let again = read(printed, &options).map_err(|errors| format!("{printed:?}: {errors}"))?;
     let nodes = |graph: &Graph| graph.iter().map(|(_, node)| node.clone()).collect::<Vec<_>>();
     let roots = |document: &Document| document.surfaces.iter().map(|s| s.root).collect::<Vec<_>>();
-    let same = nodes(&document.graph) == nodes(&again.graph) && roots(document) == roots(&again);
+    let patches =
+        |document: &Document| -> Vec<_> { document.patches.all.iter().map(patch_roots).collect() };
+    let same = nodes(&document.graph) == nodes(&again.graph)
+        && roots(document) == roots(&again)
+        && nodes(&document.patches.graph) == nodes(&again.patches.graph)
+        && patches(document) == patches(&again);
     if same { Ok(()) } else { Err(format!("printed as {printed:?}, it is another graph")) }
 }

@@ -29,7 +29,13 @@ fn hold(property: Property, target: &str, seed: u64, cases: u64) {
 #[test]
 fn texts_are_read_or_refused_and_printed_as_they_read() {
     // Most random bytes are refused, so only the files are expected to be accepted.
-    for (name, accepted) in [("fuzz/seeds/parse", 20), ("examples", 65), ("examples/models", 3)] {
+    let directories = [
+        ("fuzz/seeds/parse", 20),
+        ("examples", 65),
+        ("examples/parametric", 30),
+        ("examples/models", 3),
+    ];
+    for (name, accepted) in directories {
         let tally = attack(&parse, &directory(name), Effort { seed: 0x5eed_06f0, cases: 1000 });
         println!("{name}: {tally:?}");
         assert!(tally.defined >= accepted, "{tally:?}");
