@@ -10,7 +10,6 @@ use std::time::Duration;
 use zeroset_export::{Format, Meshes, Object, Quality, meshes};
 use zeroset_render::atomic_file::AtomicFile;
 use zeroset_render::limit::{Limit, StopFlag};
-use zeroset_scene::patches::NO_MESH;
 use zeroset_scene::view::Clipping;
 use zeroset_syntax::Document;
 
@@ -103,9 +102,6 @@ impl Mesh {
         let quality = Quality { tolerance, is_estimated, is_full };
         if !tolerance.is_none_or(|tolerance| tolerance > 0.0 && tolerance.is_finite()) {
             return Err(Error::argument("tolerance must be a finite length above 0"));
-        }
-        if document.surfaces.is_empty() && !document.patches.is_empty() {
-            return Err(Error::formula(format!("nothing to mesh: {NO_MESH}")));
         }
         let wanted = limit.wanted();
         let found =

@@ -146,11 +146,11 @@ impl Scene {
     }
 
     /// Makes triangles of all surfaces that are not hidden, in the domain, as a ball or a clip
-    /// plane of the text cuts it. Parametric surfaces are left out.
+    /// plane of the text cuts it. Nothing cuts parametric surfaces.
     ///
     /// # Errors
     /// If a setting is out of range, the domain is impossible, or the time is over. If a formula is
-    /// constant, defined nowhere, or too large to compile. If all surfaces are parametric.
+    /// constant, defined nowhere, or too large to compile.
     ///
     /// ```
     /// use zeroset::{MeshSettings, Scene};

@@ -53,11 +53,6 @@ fn meshes_are_refused_as_pictures_are() {
         ("x^2+y^2+z^2 = 1", coarse.clone().tolerance(NAN), "tolerance must be a finite length"),
         ("x^2+y^2+z^2 = 1", coarse.clone().budget(Duration::ZERO), "not done within 0 s"),
         ("z = 0", coarse.clone().domain([0.0..=NAN, 0.0..=1.0, 0.0..=1.0]), "domain"),
-        (
-            "(u, v, u v) for u in [0, 1], v in [0, 1]",
-            MeshSettings::new(),
-            "parametric surfaces are drawn, but meshes and measures leave them out",
-        ),
     ] {
         let error = scene(text).mesh(&settings).expect_err(text);
         assert!(error.to_string().contains(message), "{error}");

@@ -1,15 +1,15 @@
-//! Meshes of parametric surfaces: the rectangle of u and v is divided into cells, and each cell into
-//! triangles.
+//! Meshes of parametric surfaces: the rectangle of u and v is divided into cells, and each cell
+//! into triangles.
 //!
 //! Over a cell, the surface S is within an error e of a function L that is linear in u and v. A
 //! triangle whose vertices are points of S over the cell interpolates S − L, and so is within e of
 //! L, too. So triangle and surface are within 2e of each other at the same u and v. Cells are
 //! divided until that is below the tolerance, in the direction that reduces it most.
 //!
-//! A vertex on an edge of a cell belongs to the polygons of both cells, so nothing is torn. Sides of
-//! the rectangle whose points agree are glued: as they are, turned around, or moved along each
-//! other. A side that is one point becomes one vertex. Sides are compared at a hundred points, up to
-//! rounding, which proves nothing between them.
+//! A vertex on an edge of a cell belongs to the polygons of both cells, so nothing is torn. Sides
+//! of the rectangle whose points agree are glued: as they are, turned around, or moved along each
+//! other. A side that is one point becomes one vertex. Sides are compared at a hundred points, up
+//! to rounding, which proves nothing between them.
 
 mod sides;
 
@@ -22,8 +22,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use zeroset_eval::{LANES, Patches};
 use zeroset_space::{PatchCell, PatchTree};
 
-/// Number of parts of the rectangle along u and along v, as coordinates of vertices count them. Some
-/// tubes close after a third of a turn.
+/// Number of parts of the rectangle along u and along v, as coordinates of vertices count them.
+/// Some tubes close after a third of a turn.
 const PARTS: u32 = 3 << 22;
 /// Number of cells along u and along v at the beginning. Fewer than 3 could not go around a tube.
 const FIRST: u32 = 6;
@@ -54,8 +54,8 @@ struct Cell {
 /// `most_cells`, no cell is divided.
 ///
 /// At the same u and v, mesh and surface are within `tolerance` of each other, except in cells that
-/// are [far](Mesh::far). In [unproven](Mesh::unproven) cells the surface may have a gap. The mesh is
-/// that of the whole rectangle. Triangles are counterclockwise around the cross product of the
+/// are [far](Mesh::far). In [unproven](Mesh::unproven) cells the surface may have a gap. The mesh
+/// is that of the whole rectangle. Triangles are counterclockwise around the cross product of the
 /// derivatives with respect to u and v, or from outside if the mesh is closed and has two sides.
 pub fn parametric_mesh(
     tree: &PatchTree,

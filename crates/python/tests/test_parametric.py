@@ -162,12 +162,17 @@ def test_what_is_no_parametric_surface_is_refused():
         zs.Parametric(lambda u, v: (u, v, v))
 
 
-def test_meshes_measures_and_values_are_refused():
+def test_a_mesh_is_closed_along_its_seams():
+    mesh = zs.Parametric(ring, u=(0, math.tau), v=(0, math.tau), r=0.5).mesh(0.05)
+    assert mesh.proven
+    assert len(mesh.vertices) - len(mesh.faces) * 3 // 2 + len(mesh.faces) == 0
+
+
+def test_measures_and_values_are_refused():
     tube = zs.Parametric(TUBE)
-    why = "parametric surfaces are drawn, but meshes and measures leave them out"
-    for work in (tube.mesh, tube.measure):
-        with pytest.raises(zs.Error, match=why):
-            work()
+    why = "parametric surfaces are drawn and meshed, but measures leave them out"
+    with pytest.raises(zs.Error, match=why):
+        tube.measure()
     for work in (
         lambda: tube(0, 0, 0),
         lambda: tube.gradient(0, 0, 0),

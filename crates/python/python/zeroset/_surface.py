@@ -394,7 +394,8 @@ class Parametric(Surface):
     Ends are numbers, SymPy expressions or texts such as ``"2pi"``. Numbers are exact, but for
     multiples of pi/12: `math.tau` is 2π. So what closes at 2π has no gap.
 
-    All that draws a surface draws this one. It has no values at points, rays, meshes and measures.
+    All that draws or meshes a surface does so with this one. It has no values at points, rays and
+    measures.
 
     >>> tube = Parametric(lambda u, v: (np.cos(u), np.sin(u), v), u=(0, 2 * np.pi), v=(-1, 1))
     >>> tube.text

@@ -162,8 +162,8 @@ impl<'a> PatchTracer<'a> {
         (rays, beam)
     }
 
-    /// Greatest length of a bracket in world units, for a ray like this where it passes the region's
-    /// middle.
+    /// Greatest length of a bracket in world units, for a ray like this where it passes the
+    /// region's middle.
     fn longest(&self, segment: &Segment) -> f64 {
         let Segment { ray, pixel: [first, growth], .. } = segment;
         let extent = self.region.half_extent();

@@ -1,7 +1,8 @@
 //! The first zeros of a group's rays, from the first cells that each ray may meet.
 //!
-//! All zeros in a cell lie in the part of it that the linear equations leave. That part is evaluated
-//! anew, and so on, as in Newton's method. Each round does so for all rays of the group at once.
+//! All zeros in a cell lie in the part of it that the linear equations leave. That part is
+//! evaluated anew, and so on, as in Newton's method. Each round does so for all rays of the group
+//! at once.
 
 use super::meeting::{BeamLanes, CellView, Firsts, Meetings, ZeroLanes};
 use super::search::{Goal, is_narrow, part, with_room};
@@ -42,8 +43,8 @@ impl FirstZeros {
 }
 
 impl PatchTracer<'_> {
-    /// The first zeros of rays that meet some of `cells` as `firsts` tells. Lanes without a goal are
-    /// not in use.
+    /// The first zeros of rays that meet some of `cells` as `firsts` tells. Lanes without a goal
+    /// are not in use.
     pub(super) fn first_zeros(
         &self,
         rays: &BeamLanes,

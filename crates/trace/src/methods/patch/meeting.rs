@@ -296,7 +296,8 @@ impl BeamLanes {
 /// The first meetings of up to [`LANES`] rays with cells.
 #[derive(Clone, Debug)]
 pub(super) struct Firsts {
-    /// Only for t between these may the ray be in the region: for none in lanes that are not in use.
+    /// Only for t between these may the ray be in the region: for none in lanes that are not in
+    /// use.
     within: [Lanes<f64>; 2],
     /// For all t between these, the ray is in the region.
     sure: [Lanes<f64>; 2],

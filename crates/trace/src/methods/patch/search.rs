@@ -85,8 +85,8 @@ impl Candidate<'_> {
 }
 
 impl Goal {
-    /// The goal for a segment in a region. `None` if the segment is outside of it. Without a region,
-    /// the segment's ends alone matter.
+    /// The goal for a segment in a region. `None` if the segment is outside of it. Without a
+    /// region, the segment's ends alone matter.
     pub fn new(
         segment: &Segment,
         region: Option<&Region>,
