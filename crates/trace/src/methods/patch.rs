@@ -78,10 +78,13 @@ const SMALL: f64 = 0.5;
 /// From cells whose error is above this share of their shorter side, parts that hold zeros are
 /// seldom much smaller.
 const ROUGH: f64 = 0.2;
+/// A square's rays are followed together if they spread at most this many times as far as those of a
+/// group.
+const APART: f64 = 4.0;
 /// Largest number of levels below the root to which cells are divided for a square of rays.
 const GROUP_DEPTH: u32 = 5;
 /// Beyond this number of cells for a square of rays, none is divided further.
-const GROUP_CELLS: usize = 256;
+const GROUP_CELLS: usize = 1024;
 
 /// Up to [`LANES`] of the rays to follow.
 struct Group {
@@ -120,6 +123,7 @@ impl Tracer for PatchTracer<'_> {
         work: &mut KernelStats,
     ) {
         let Some(segment) = rays.first() else { return };
+        let extent = self.region.half_extent();
         let axes = axes(main_axis(segment.ray.direction));
         let mut groups: Vec<Group> = Vec::with_capacity(rays.len().div_ceil(LANES));
         let mut whole = None;
@@ -129,7 +133,13 @@ impl Tracer for PatchTracer<'_> {
             groups.push(Group { first: LANES * number, count: segments.len(), rays, beam });
         }
         let longest = self.longest(segment);
-        let cells = whole.map(|beam| self.cells(&beam, longest));
+        // The groups of a square are neighbors, but those of a pixel's own rays may be far apart.
+        let is_near = |whole: &Beam| {
+            let own = |group: &Group| group.beam.as_ref().map(|beam| beam.spread(extent));
+            let widest = groups.iter().filter_map(own).fold(0.0, f64::max);
+            whole.spread(extent) <= APART * widest
+        };
+        let cells = whole.filter(is_near).map(|beam| self.cells(&beam, longest));
         let mut near = Vec::new();
         for group in &groups {
             let numbers = group.first..group.first + group.count;

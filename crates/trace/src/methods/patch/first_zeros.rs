@@ -100,7 +100,7 @@ impl PatchTracer<'_> {
                 let goal = goals[lane].as_ref();
                 if is_nowhere
                     || !meeting.is_possible
-                    || goal.is_some_and(|goal| !goal.reaches(meeting.t))
+                    || goal.is_some_and(|goal| !goal.reaches(meeting.t) || goal.is_start(meeting.t))
                 {
                     near.0[lane] = f64::INFINITY;
                     continue;

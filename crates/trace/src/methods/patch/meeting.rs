@@ -107,6 +107,15 @@ impl Beam {
         is_narrow.then_some(Self { axes, origin, direction, origin_spread, direction_spread })
     }
 
+    /// How far the rays spread about the same distance away as the surface, whose half extent is
+    /// given: a rough measure.
+    pub fn spread(&self, extent: f64) -> f64 {
+        let largest = |[i, j, k]: [f64; 3]| i.max(j).max(k);
+        let away = largest(self.origin.map(f64::abs)).max(extent);
+        let turn = largest(self.direction_spread) / self.direction[2].abs();
+        largest(self.origin_spread) + away * turn
+    }
+
     /// The lanes in which some ray of the beam may meet the cell, and a lower bound of the t ≥ 0 at
     /// which it does.
     #[inline(always)]

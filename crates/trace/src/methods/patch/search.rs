@@ -191,6 +191,11 @@ impl Goal {
         self.start == Start::OnSurface && t[0] <= self.within[0].max(0.0)
     }
 
+    /// Returns whether zeros between these t are the ray's start.
+    pub fn is_start(&self, t: [f64; 2]) -> bool {
+        self.holds_start(t) && self.is_short(t)
+    }
+
     /// Returns whether a bracket is short enough.
     pub fn is_short(&self, [near, far]: [f64; 2]) -> bool {
         far - near <= self.longest[0] + self.longest[1] * near.max(0.0)
@@ -218,7 +223,7 @@ impl<'a> Search<'_, 'a> {
         let (mut drawn, mut parameters) = (f64::INFINITY, [0.0; 2]);
         let mut effort = goal.effort;
         while let Some(first) = take_first(candidates) {
-            if goal.holds_start(first.t) && goal.is_short(first.t) {
+            if goal.is_start(first.t) {
                 continue;
             }
             if first.is_proven
