@@ -78,8 +78,8 @@ const SMALL: f64 = 0.5;
 /// From cells whose error is above this share of their shorter side, parts that hold zeros are
 /// seldom much smaller.
 const ROUGH: f64 = 0.2;
-/// A square's rays are followed together if they spread at most this many times as far as those of a
-/// group.
+/// A square's rays are followed together if they spread at most this many times as far as those of
+/// a group.
 const APART: f64 = 4.0;
 /// Largest number of levels below the root to which cells are divided for a square of rays.
 const GROUP_DEPTH: u32 = 5;
