@@ -326,9 +326,13 @@ fn describe(name: &str, mesh: &Mesh, tolerance: f64) -> String {
         ([], 0) if mesh.is_parametric => {
             format!("at the same parameters, within {tolerance:.2e} of the surface: proven")
         }
+        ([], far) if mesh.is_parametric => format!(
+            "in {far} of {} cells, it is not proven to be within {tolerance:.2e} of the surface",
+            mesh.cells
+        ),
         (gaps, far) if mesh.is_parametric => format!(
-            "in {} of {} cells the surface may have a gap, and in {far} it is not proven to be \
-             within {tolerance:.2e}",
+            "in {} of {} cells the surface may have a gap, and in {far} others the triangles are \
+             not proven to be within {tolerance:.2e} of it",
             gaps.len(),
             mesh.cells
         ),

@@ -33,6 +33,10 @@ const FINEST: u32 = PARTS / 768;
 /// other.
 const CLEARLY: f64 = 1.5;
 
+/// A cell in which the surface may have a gap has triangles if no edge is longer than this many
+/// tolerances. Else they could be a wall across a jump.
+const GAP: f64 = 4.0;
+
 /// A place in the rectangle, in [`PARTS`] of the ranges of u and v.
 type Place = [u32; 2];
 
@@ -72,11 +76,11 @@ pub fn parametric_mesh(
     let allowed = tolerance - if is_single { moved } else { 0.0 } - Sides::moved(size);
     let cells = divided(tree, 0.5 * allowed, most_cells, wanted)?;
     let sides = Sides::find(tree, size);
-    let mut triangles = Triangulation::new(tree, sides, is_single);
+    let mut triangles = Triangulation::new(tree, sides, is_single, GAP * tolerance);
     let used: Vec<&Cell> = cells.iter().filter(|cell| !cell.is_nowhere).collect();
     triangles.add_corners(used.iter().map(|cell| cell.ranges));
     for cell in &used {
-        triangles.add_cell(&cell.ranges);
+        triangles.add_cell(cell);
     }
     let mut mesh = triangles.finish();
     mesh.cells = used.len();
@@ -225,14 +229,23 @@ struct Triangulation<'a> {
     /// The vertex at each place.
     numbers: FxHashMap<Place, u32>,
     places: Vec<Place>,
-    polygons: Vec<Vec<u32>>,
+    polygons: Vec<Polygon>,
+    /// The longest edge of polygons whose cell may have a gap.
+    longest: f64,
+}
+
+/// A part of a cell.
+struct Polygon {
+    vertices: Vec<u32>,
+    /// Whether the surface is continuous on the cell.
+    is_continuous: bool,
 }
 
 impl<'a> Triangulation<'a> {
-    fn new(tree: &'a PatchTree, sides: Sides, is_single: bool) -> Self {
+    fn new(tree: &'a PatchTree, sides: Sides, is_single: bool, longest: f64) -> Self {
         let (corners, numbers) = (Default::default(), FxHashMap::default());
         let (places, polygons) = (Vec::new(), Vec::new());
-        Self { tree, sides, is_single, corners, numbers, places, polygons }
+        Self { tree, sides, is_single, corners, numbers, places, polygons, longest }
     }
 
     /// Adds the corners of all cells, which are vertices.
@@ -261,7 +274,7 @@ impl<'a> Triangulation<'a> {
     }
 
     /// Adds the polygon of a cell: all vertices on its edges, counterclockwise.
-    fn add_cell(&mut self, &[us, vs]: &Ranges) {
+    fn add_cell(&mut self, &Cell { ranges: [us, vs], is_continuous, .. }: &Cell) {
         let along = |axis: usize, at: u32, [low, high]: [u32; 2]| -> Vec<u32> {
             let line = self.corners[axis].get(&at);
             line.into_iter().flat_map(|line| line.range(low..high)).copied().collect()
@@ -287,10 +300,11 @@ impl<'a> Triangulation<'a> {
             let middle = self.vertex([left + (right - left) / 2, below + (above - below) / 2]);
             for (k, vertex) in polygon.iter().enumerate() {
                 let next = polygon[(k + 1) % polygon.len()];
-                self.polygons.push(vec![middle, *vertex, next]);
+                let vertices = vec![middle, *vertex, next];
+                self.polygons.push(Polygon { vertices, is_continuous });
             }
         } else if polygon.len() > 2 {
-            self.polygons.push(polygon);
+            self.polygons.push(Polygon { vertices: polygon, is_continuous });
         }
     }
 
@@ -315,8 +329,15 @@ impl<'a> Triangulation<'a> {
     fn finish(self) -> Mesh {
         let vertices = self.points();
         let mut triangles = Vec::with_capacity(2 * self.polygons.len());
-        for polygon in &self.polygons {
-            match polygon[..] {
+        let is_short = |polygon: &Polygon| {
+            let ends = polygon.vertices.iter().zip(polygon.vertices.iter().cycle().skip(1));
+            let length = |(one, other): (&u32, &u32)| {
+                vertices[*one as usize].distance(vertices[*other as usize])
+            };
+            ends.map(length).all(|length| length <= self.longest)
+        };
+        for polygon in self.polygons.iter().filter(|one| one.is_continuous || is_short(one)) {
+            match polygon.vertices[..] {
                 [a, b, c] => triangles.push([a, b, c]),
                 [a, b, c, d] => {
                     let length = |one: u32, other: u32| {

@@ -574,14 +574,17 @@ fn cube_about(place: [f64; 3], half: f64) -> Cell {
     Cell { low: place.map(|along| end(along, -half)), high: place.map(|along| end(along, half)) }
 }
 
-/// The box `ends` of curves with a margin around it. No side of the result is empty.
+/// The box `ends` of curves with a margin around it, its bounds rounded to few digits. No side of
+/// the result is empty.
 fn around_curves([low, high]: [DVec3; 2]) -> [DVec3; 2] {
     let largest = (high - low).max_element();
     let margin = if largest > 0.0 { SPACE * largest } else { 1.0 };
     // The margin must not vanish beside large coordinates.
     let least = 1e-6 * low.abs().max(high.abs()).max_element();
-    let margin = DVec3::splat(margin.max(least));
-    [low - margin, high + margin]
+    let margin = margin.max(least);
+    // Rounding takes at most a twentieth of the margin.
+    let neat = |bound: f64| rounded(bound, margin / 10.0);
+    [(low - DVec3::splat(margin)).map(neat), (high + DVec3::splat(margin)).map(neat)]
 }
 
 /// The box with some space on each side, its bounds rounded outward to few digits.

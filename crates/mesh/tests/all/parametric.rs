@@ -120,6 +120,10 @@ fn rims_stay_open() {
 fn gaps_are_told() {
     let steps = mesh_of("(u, v, floor(3u)/3) for u in [-1, 1], v in [-1, 1]", 0.01);
     assert!(!steps.unproven.is_empty() && !steps.is_proven());
+    for triangle in &steps.triangles {
+        let [a, b, c] = triangle.map(|vertex| steps.vertices[vertex as usize].z);
+        assert!(a == b && b == c, "a wall across a jump");
+    }
     let pole = mesh_of("(u, v, 1/u) for u in [-1, 1], v in [0, 1]", 0.05);
     assert!(!pole.unproven.is_empty() && pole.vertices.iter().all(|at| at.is_finite()));
     let half = mesh_of("(u, v, sqrt(u)) for u in [-1, 1], v in [0, 1]", 0.01);
