@@ -42,7 +42,9 @@ const SEGMENTS: &[&str] = &["segment", "Segment", "vector", "Vector", "arrow", "
 
 /// Returns whether a word is a command that may plot a parametric surface.
 pub(crate) fn draws_surface(word: &str) -> bool {
-    COMMANDS.contains(&word) || SURFACES.contains(&word)
+    // Most words are shorter names.
+    matches!(word.as_bytes(), [_, second, _, _, _, ..] if second.is_ascii_alphabetic())
+        && (COMMANDS.contains(&word) || SURFACES.contains(&word))
 }
 
 /// The tokens of a point with these coordinates.

@@ -31,11 +31,13 @@ impl Words<'_> {
         let value = &tokens[self.assigned_at(tokens).map_or(0, |at| at + 1)..];
         let word = value.first().map_or("", |first| self.word(*first));
         let is_open = |next: &Token| matches!(next.kind, OpenParen | OpenBracket | OpenBrace);
-        let is_command = is_plot(word)
-            || draws_surface(word)
-            || LISTED.contains(&word)
-            || matches!(word, "contour" | "Manipulate" | "Table");
-        is_command && value.get(1).is_some_and(is_open)
+        let is_command = || {
+            is_plot(word)
+                || draws_surface(word)
+                || LISTED.contains(&word)
+                || matches!(word, "contour" | "Manipulate" | "Table")
+        };
+        value.get(1).is_some_and(is_open) && is_command()
     }
 
     /// Returns whether a statement beside plot commands sets or prints something, as

@@ -28,15 +28,15 @@ const MAX_DEPTH: usize = 16;
 impl ProgramReader<'_> {
     /// A command with the list in place of the name of a list, as in `f = (u, v, u*v)` and
     /// `parametric_plot3d(f, …)`. Brackets around both ranges, which Giac writes, are left out.
-    /// Returns also the name that was replaced.
-    pub(crate) fn with_listed_point(&self, tokens: &[Token]) -> (Vec<Token>, Option<String>) {
-        let mut all = tokens.to_vec();
+    /// Returns also the name that was replaced. `None` if there is no command.
+    pub(crate) fn with_listed_point(
+        &self,
+        tokens: &[Token],
+    ) -> Option<(Vec<Token>, Option<String>)> {
         let words = self.words;
         let at = tokens.iter().take(8).position(|token| draws_surface(words.word(*token)));
-        let Some((at, (inner, rest))) = at.and_then(|at| Some((at, bracketed(&tokens[at + 1..])?)))
-        else {
-            return (all, None);
-        };
+        let at = at?;
+        let (inner, rest) = bracketed(&tokens[at + 1..])?;
         let mut parts = split(inner, Comma);
         let mut replaced = None;
         if let Some([name]) = parts.first().map(Vec::as_slice)
@@ -55,10 +55,10 @@ impl ProgramReader<'_> {
         {
             parts.splice(1..2, ranges);
         }
-        all.truncate(at + 2);
+        let mut all = tokens[..at + 2].to_vec();
         all.extend(separated(&parts));
         all.extend(&tokens[tokens.len() - rest.len() - 1..]);
-        (all, replaced)
+        Some((all, replaced))
     }
 
     /// Reads lists of `GeoGebra`, `{Surface(…), Surface(…)}` and `Sequence(Surface(…), a, 1, 3)`.

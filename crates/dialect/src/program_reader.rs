@@ -527,9 +527,11 @@ impl ProgramReader<'_> {
         let mut list = None;
         let curve = match self.curve(tokens) {
             None if self.arity(tokens[0]).is_none() => {
-                let (tokens, replaced) = self.with_listed_point(tokens);
-                list = replaced;
-                self.words.curve_command(&tokens)?
+                let listed = self.with_listed_point(tokens);
+                let (tokens, replaced) =
+                    listed.as_ref().map_or((tokens, &None), |(own, name)| (own, name));
+                list.clone_from(replaced);
+                self.words.curve_command(tokens)?
             }
             found => found.map(|curve| (curve, None)),
         };
