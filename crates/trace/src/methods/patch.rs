@@ -149,11 +149,12 @@ impl Tracer for PatchTracer<'_> {
                 (None, Some(beam)) => Some(self.cells(beam, longest)),
                 _ => None,
             };
-            match cells.as_ref().or(own.as_ref()) {
-                Some(cells) => {
-                    self.follow_group(group, (segments, start), cells, &mut near, found, work);
+            match (cells.as_ref().or(own.as_ref()), &group.beam) {
+                (Some(cells), Some(beam)) => {
+                    self.nearest(beam, cells, &mut near);
+                    self.follow_group(&group.rays, (segments, start), cells, &near, found, work);
                 }
-                None => {
+                _ => {
                     for (segment, found) in segments.iter().zip(found) {
                         *found = self.follow_alone(segment, start, work);
                     }
@@ -201,18 +202,17 @@ impl<'a> PatchTracer<'a> {
         Search { tree: self.tree, beam: &beam, goal: &goal }.run(&mut candidates, work)
     }
 
-    /// Follows a group's rays through `cells`, which hold all points that they meet. Uses `near` as
-    /// memory.
+    /// Follows a group's rays through `cells`, which hold all points that they meet. `near` lists
+    /// those that the group may meet, as [`Self::nearest`] does.
     fn follow_group(
         &self,
-        group: &Group,
+        rays: &BeamLanes,
         (segments, start): (&[Segment], Start),
         cells: &FoundCells<'a>,
-        near: &mut Vec<(f64, usize)>,
+        near: &[(f64, usize)],
         found: &mut [RayResult],
         work: &mut KernelStats,
     ) {
-        self.nearest(group, cells, near);
         if near.is_empty() {
             found.fill(RayResult::MISS);
             return;
@@ -225,23 +225,23 @@ impl<'a> PatchTracer<'a> {
                 firsts.add(lane, goal.within, goal.sure);
             }
         }
-        for &(from, number) in near.iter() {
+        for &(from, number) in near {
             // In the cells that are left, no ray has its first zero.
             if from >= firsts.end() {
                 break;
             }
             let Found { node, lane, is_whole, .. } = cells.cells[number];
             let cell = (&node.cells, lane);
-            dispatch!(self.level, simd => firsts.meet(simd, &group.rays, cell, number, is_whole));
+            dispatch!(self.level, simd => firsts.meet(simd, rays, cell, number, is_whole));
         }
-        let zeros = self.first_zeros(&group.rays, &goals, firsts, &cells.cells, work);
+        let zeros = self.first_zeros(rays, &goals, firsts, &cells.cells, work);
         let mut candidates = Vec::new();
         for (lane, (segment, found)) in segments.iter().zip(found).enumerate() {
             *found = RayResult::MISS;
             let Some(goal) = goals[lane].as_ref() else { continue };
             let Some(t) = zeros.of(lane) else { continue };
             *found = goal.hit(t, zeros.parameters(lane)).unwrap_or_else(|| {
-                let beam = Beam::along(&segment.ray, group.rays.axes);
+                let beam = Beam::along(&segment.ray, rays.axes);
                 self.candidates(&beam, goal, cells, &mut candidates);
                 Search { tree: self.tree, beam: &beam, goal }.run(&mut candidates, work)
             });
@@ -268,14 +268,10 @@ impl<'a> PatchTracer<'a> {
         }
     }
 
-    /// Writes to `near` the cells that a group's rays may meet, and the lowest t at which they do,
-    /// in the order of these t.
-    fn nearest(&self, group: &Group, cells: &FoundCells<'a>, near: &mut Vec<(f64, usize)>) {
+    /// Writes to `near` the cells that a beam may meet, and the lowest t at which it does, in the
+    /// order of these t.
+    fn nearest(&self, beam: &Beam, cells: &FoundCells<'a>, near: &mut Vec<(f64, usize)>) {
         near.clear();
-        let Some(beam) = &group.beam else {
-            near.extend((0..cells.cells.len()).map(|cell| (f64::NEG_INFINITY, cell)));
-            return;
-        };
         for (batch, shapes) in cells.shapes.iter().enumerate() {
             let first = LANES * batch;
             let shapes = CellView::new(shapes, beam.axes);

@@ -19,7 +19,7 @@ const ROUNDS: usize = 3;
 pub(super) struct FirstZeros {
     /// The t before which a ray is proven to meet no zero: in its first cell, in its second, and in
     /// all others. Infinite if it meets none there.
-    pub near: [Lanes<f64>; 3],
+    near: [Lanes<f64>; 3],
     /// A proven zero of each ray. It need not be the first.
     zero: ZeroLanes,
 }
