@@ -25,7 +25,7 @@ pub struct Example {
 /// # Ok::<(), zeroset::Error>(())
 /// ```
 pub fn gallery() -> impl Iterator<Item = Example> {
-    [gallery::examples(), gallery::parametric()].concat().into_iter().map(|example| Example {
+    gallery::surfaces().into_iter().map(|example| Example {
         name: example.slug,
         title: example.title(),
         summary: example.summary(),

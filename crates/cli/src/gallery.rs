@@ -15,7 +15,7 @@ use std::process::ExitCode;
 use zeroset_render::overlay::{Overlay, PictureView};
 use zeroset_render::picture::Settings;
 use zeroset_render::png_file::{PngFormat, write_png};
-use zeroset_scene::gallery::{Example, all, examples, parametric};
+use zeroset_scene::gallery::{Example, all, surfaces};
 
 const SHEET: &str = "contact-sheet.png";
 
@@ -24,7 +24,7 @@ pub fn run(arguments: &GalleryArgs) -> Result<ExitCode> {
         print(&listed(&all()))?;
         return Ok(ExitCode::SUCCESS);
     }
-    let examples = [examples(), parametric()].concat();
+    let examples = surfaces();
     arguments.size.held_whole()?;
     let directory = arguments.output.as_deref().context("no directory to write to: add -o DIR")?;
     let settings = with_effects(&method_settings(&arguments.tracing, arguments.size)?);

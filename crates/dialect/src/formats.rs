@@ -34,7 +34,9 @@ pub(crate) fn foreign_text(text: &str, limits: &Limits) -> Fallible<Option<Forei
     if is_mathmod(text) {
         return mathmod(text, limits).map(Some);
     }
-    if let Some(at) = text.find("\"Param4D\"").filter(|_| text.trim_start().starts_with('{')) {
+    if text.trim_start().starts_with('{')
+        && let Some(at) = text.find("\"Param4D\"")
+    {
         return Err(Error::new(Span::new(at, at + "\"Param4D\"".len()), FOUR_DIMENSIONS));
     }
     if let Some(at) = text.find("ParametricGeometry(").filter(|_| text.contains("target.set(")) {

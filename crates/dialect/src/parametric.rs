@@ -34,8 +34,7 @@ impl ProgramReader<'_> {
         tokens: &[Token],
     ) -> Option<(Vec<Token>, Option<String>)> {
         let words = self.words;
-        let at = tokens.iter().take(8).position(|token| draws_surface(words.word(*token)));
-        let at = at?;
+        let at = tokens.iter().take(8).position(|token| draws_surface(words.word(*token)))?;
         let (inner, rest) = bracketed(&tokens[at + 1..])?;
         let mut parts = split(inner, Comma);
         let mut replaced = None;

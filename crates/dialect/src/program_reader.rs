@@ -528,10 +528,11 @@ impl ProgramReader<'_> {
         let curve = match self.curve(tokens) {
             None if self.arity(tokens[0]).is_none() => {
                 let listed = self.with_listed_point(tokens);
-                let (tokens, replaced) =
-                    listed.as_ref().map_or((tokens, &None), |(own, name)| (own, name));
-                list.clone_from(replaced);
-                self.words.curve_command(tokens)?
+                let own = listed.map(|(own, name)| {
+                    list = name;
+                    own
+                });
+                self.words.curve_command(own.as_deref().unwrap_or(tokens))?
             }
             found => found.map(|curve| (curve, None)),
         };

@@ -31,10 +31,11 @@ impl Words<'_> {
     /// Returns whether a statement only styles or shows a picture.
     pub(crate) fn is_style(self, tokens: &[Token]) -> bool {
         // MATLAB ends a command by a comma, too: `axis equal, box on`.
-        let parts = split(tokens, Comma);
-        let has_parts = tokens.iter().any(|token| token.kind == Comma);
-        self.is_one_style(tokens)
-            || has_parts && !parts.is_empty() && parts.iter().all(|part| self.is_one_style(part))
+        let are_styles = || {
+            let parts = split(tokens, Comma);
+            !parts.is_empty() && parts.iter().all(|part| self.is_one_style(part))
+        };
+        self.is_one_style(tokens) || tokens.iter().any(|token| token.kind == Comma) && are_styles()
     }
 
     fn is_one_style(self, tokens: &[Token]) -> bool {

@@ -388,6 +388,20 @@ impl<T: Real> Segments<T> {
 }
 
 impl Patches<f64> {
+    /// The largest error of a coordinate over the cell of a lane. Infinite if an error is no number.
+    pub fn largest_error(&self, lane: usize) -> f64 {
+        let [x, y, z] = [self.error[0].0[lane], self.error[1].0[lane], self.error[2].0[lane]];
+        if (x + y + z).is_finite() { x.max(y).max(z) } else { f64::INFINITY }
+    }
+
+    /// The largest change of a coordinate over half the cell of a lane: along u, and along v.
+    pub fn sides(&self, lane: usize) -> [f64; 2] {
+        let side = |along: &[Lanes<f64>; 3]| {
+            along[0].0[lane].abs().max(along[1].0[lane].abs()).max(along[2].0[lane].abs())
+        };
+        [side(&self.along_u), side(&self.along_v)]
+    }
+
     /// Sets a lane to that of another batch.
     pub fn copy_lane(&mut self, lane: usize, other: &Self, from: usize) {
         for axis in 0..3 {

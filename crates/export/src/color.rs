@@ -71,9 +71,10 @@ pub fn linear(rgb: [u8; 3]) -> [f32; 3] {
 pub fn map_colors(document: &Document, surfaces: &[usize], objects: &mut [Object]) {
     let parameters: Vec<f64> =
         document.parameters.iter().map(|parameter| nearest(&parameter.value)).collect();
+    let styles: Vec<DrawnSurface<'_>> = document.drawn_surfaces().collect();
     let mapped: Vec<Option<&MappedColor>> = surfaces
         .iter()
-        .map(|surface| match document.drawn_surfaces().nth(*surface)?.color {
+        .map(|surface| match styles[*surface].color {
             Some(SurfaceColor::Mapped(mapped)) => Some(mapped),
             Some(SurfaceColor::Plain(_)) | None => None,
         })

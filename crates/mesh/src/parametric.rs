@@ -13,6 +13,7 @@
 
 mod sides;
 
+use crate::orientation::face_out;
 use crate::{Mesh, Unproven};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -50,7 +51,7 @@ struct Cell {
     /// The surface's distance from a linear function. Infinite if it may have a gap.
     error: f64,
     is_continuous: bool,
-    /// Whether the surface is proven to have no point there.
+    /// True if the surface is proven to have no point there.
     is_nowhere: bool,
 }
 
@@ -237,7 +238,7 @@ struct Triangulation<'a> {
 /// A part of a cell.
 struct Polygon {
     vertices: Vec<u32>,
-    /// Whether the surface is continuous on the cell.
+    /// True if the surface is continuous on the cell.
     is_continuous: bool,
 }
 
@@ -361,10 +362,10 @@ impl<'a> Triangulation<'a> {
         let mut mesh = Mesh { vertices, triangles, is_parametric: true, ..Mesh::default() };
         let Edges { is_closed, has_sides } = Edges::of(&mesh.triangles);
         mesh.is_closed = is_closed;
-        if is_closed && has_sides && volume(&mesh) < 0.0 {
-            mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
-        }
         drop_unused(&mut mesh);
+        if is_closed && has_sides {
+            face_out(&mesh.vertices, &mut mesh.triangles, &[]);
+        }
         mesh
     }
 }
@@ -384,20 +385,11 @@ fn drop_unused(mesh: &mut Mesh) {
     mesh.vertices = kept;
 }
 
-/// Six times the volume in a closed mesh, below 0 if its triangles face inward.
-fn volume(mesh: &Mesh) -> f64 {
-    let of = |triangle: &[u32; 3]| {
-        let [a, b, c] = triangle.map(|vertex| mesh.vertices[vertex as usize]);
-        a.dot(b.cross(c))
-    };
-    mesh.triangles.iter().map(of).sum()
-}
-
-/// How triangles meet.
+/// The way in which triangles meet.
 struct Edges {
-    /// Whether each edge belongs to two triangles.
+    /// True if each edge belongs to two triangles.
     is_closed: bool,
-    /// Whether the two run along it in opposite directions.
+    /// True if the two run along it in opposite directions.
     has_sides: bool,
 }
 

@@ -42,9 +42,14 @@ pub fn parametric() -> Vec<Example> {
     FILES.get_dir("parametric").map_or_else(Vec::new, sorted)
 }
 
-/// All texts: those of [`examples`], of [`parametric`], then [`models`].
+/// All surfaces of the gallery: [`examples`], then [`parametric`] ones.
+pub fn surfaces() -> Vec<Example> {
+    [examples(), parametric()].concat()
+}
+
+/// All texts: [`surfaces`], then [`models`].
 pub fn all() -> Vec<Example> {
-    [examples(), parametric(), models()].concat()
+    [surfaces(), models()].concat()
 }
 
 /// All models, sorted by slug. They are solids of many parts, made by builders.

@@ -3,20 +3,15 @@
 //! A surface's coordinates are three functions of u and v. They are simplified and compiled as the
 //! functions of a document with three equations would be, over the rectangle of u and v.
 
-mod beside;
 mod normals;
 
 use crate::curves::functions::{kernel, with_constants};
 use crate::curves::moments;
 use crate::program::{Program, ProgramError, constants};
-use beside::Beside;
 use glam::DVec3;
 use normals::Normals;
 use std::sync::{Arc, OnceLock};
-use zeroset_eval::{
-    Assumptions, Kernel, KernelError, KernelFloat, KernelResult, Kernels, Sample, SampleGradient,
-    SurfaceKernels, enclose_all,
-};
+use zeroset_eval::{Assumptions, Kernel, KernelError, SampleGradient, SurfaceKernels, enclose_all};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::fix_exponents;
 use zeroset_space::{PatchCell, PatchTree};
@@ -34,9 +29,8 @@ pub struct PatchSurface {
     /// The three coordinates as functions of x and y, which stand for u and v.
     coordinates: Program,
     rectangle: Rectangle,
-    tree: OnceLock<Result<Arc<PatchTree>, KernelError>>,
-    normals: OnceLock<Result<Arc<Normals>, KernelError>>,
-    beside: OnceLock<Result<Beside, KernelError>>,
+    tree: OnceLock<Result<PatchTree, KernelError>>,
+    normals: OnceLock<Result<Normals, KernelError>>,
 }
 
 /// The rectangle of a surface's parameters, between floats.
@@ -63,8 +57,7 @@ impl PatchSurface {
     }
 
     fn of(coordinates: Program, rectangle: Rectangle) -> Self {
-        let (tree, normals, beside) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
-        Self { coordinates, rectangle, tree, normals, beside }
+        Self { coordinates, rectangle, tree: OnceLock::new(), normals: OnceLock::new() }
     }
 
     /// The same surface for the parameters' values of another document. `None` if the code does not
@@ -92,9 +85,9 @@ impl PatchSurface {
     ///
     /// # Errors
     /// If the kernel fails to compile.
-    pub fn tree(&self) -> Result<&Arc<PatchTree>, KernelError> {
+    pub fn tree(&self) -> Result<&PatchTree, KernelError> {
         let Rectangle { outer, inner } = self.rectangle;
-        let make = || Ok(Arc::new(PatchTree::new(self.coordinates.patch_kernel()?, outer, inner)));
+        let make = || Ok(PatchTree::new(self.coordinates.patch_kernel()?, outer, inner));
         self.tree.get_or_init(make).as_ref().map_err(Arc::clone)
     }
 
@@ -104,43 +97,14 @@ impl PatchSurface {
     /// # Errors
     /// If a kernel fails to compile.
     pub fn normals(&self) -> Result<&dyn Kernel<SampleGradient, f64>, KernelError> {
-        Ok(&**self.shared_normals()?)
-    }
-
-    fn shared_normals(&self) -> Result<&Arc<Normals>, KernelError> {
-        let make = || Normals::new(&self.coordinates, self.rectangle.outer).map(Arc::new);
-        self.normals.get_or_init(make).as_ref().map_err(Arc::clone)
-    }
-
-    fn beside(&self) -> Result<&Beside, KernelError> {
-        let make = || {
-            let (tree, normals) = (Arc::clone(self.tree()?), Arc::clone(self.shared_normals()?));
-            Ok(Beside { tree, normals })
-        };
-        self.beside.get_or_init(make).as_ref().map_err(Arc::clone)
+        let make = || Normals::new(&self.coordinates, self.rectangle.outer);
+        let normals = self.normals.get_or_init(make);
+        normals.as_ref().map(|normals| normals as _).map_err(Arc::clone)
     }
 }
 
-/// Kernels for points beside the surface. No kernel finds its points: that is a task of its cells.
-impl SurfaceKernels for PatchSurface {
-    fn single(&self) -> &dyn Kernels<f32> {
-        self
-    }
-
-    fn double(&self) -> &dyn Kernels<f64> {
-        self
-    }
-}
-
-impl<T: KernelFloat> Kernels<T> for PatchSurface {
-    fn values(&self) -> KernelResult<'_, Sample, T> {
-        Ok(self.beside()?)
-    }
-
-    fn gradients(&self) -> KernelResult<'_, SampleGradient, T> {
-        Ok(self.beside()?)
-    }
-}
+/// No kernel finds a surface's points, or has values beside them: its cells do the work.
+impl SurfaceKernels for PatchSurface {}
 
 /// The document of a surface's three coordinates.
 fn coordinates(document: &Document, index: usize) -> Document {

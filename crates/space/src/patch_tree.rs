@@ -6,7 +6,7 @@
 //! stays so. Nothing here knows rays or pixels.
 
 use std::sync::OnceLock;
-use zeroset_eval::{BoundPatches, Boxes, Kernel, LANES, Lanes, Patches};
+use zeroset_eval::{BoundPatches, Boxes, Kernel, LANES, Patches};
 
 /// Number of columns of cells of the first node.
 const COLUMNS: usize = 4;
@@ -83,12 +83,13 @@ impl PatchTree {
     /// The number of columns in which to divide a cell for good. If its error is large, halves of
     /// the cell in either direction show which direction causes it.
     fn columns(&self, node: &PatchNode, lane: usize) -> usize {
-        if error(&node.cells, lane) <= ROUGH * extent(&node.cells, lane) {
+        let [u, v] = node.cells.sides(lane);
+        if node.cells.largest_error(lane) <= ROUGH * u.max(v) {
             return columns([1.0; 2], &node.cells, lane);
         }
         let [u, v] = node.cell(lane);
         let halves = self.over(&[[part(u, 0, 2), v], [u, part(v, 0, 2)]]);
-        match error(&halves, 0) / error(&halves, 1) {
+        match halves.largest_error(0) / halves.largest_error(1) {
             ratio if ratio < 0.7 => LANES,
             ratio if ratio > 1.4 => 1,
             _ => COLUMNS,
@@ -172,26 +173,12 @@ impl PatchNode {
     }
 }
 
-/// The largest error of a coordinate over a cell.
-fn error(cells: &Patches<f64>, lane: usize) -> f64 {
-    cells.error[0][lane].max(cells.error[1][lane]).max(cells.error[2][lane])
-}
-
-/// The largest change of a coordinate along u or v over half a cell.
-fn extent(cells: &Patches<f64>, lane: usize) -> f64 {
-    length(&cells.along_u, lane).max(length(&cells.along_v, lane))
-}
-
-fn length(along: &[Lanes<f64>; 3], lane: usize) -> f64 {
-    along[0][lane].abs().max(along[1][lane].abs()).max(along[2][lane].abs())
-}
-
 /// The number of columns in which to divide a part of a cell, so that the parts are about as long
 /// as wide in space. `shares` are the shares of the cell along u and v that the part has.
 pub fn columns(shares: [f64; 2], cells: &Patches<f64>, lane: usize) -> usize {
     // The direction that causes an error is not known, so it counts for both.
-    let error = error(cells, lane);
-    let [u, v] = [&cells.along_u, &cells.along_v].map(|along| length(along, lane));
+    let error = cells.largest_error(lane);
+    let [u, v] = cells.sides(lane);
     let ratio = (shares[0] * u + error) / (shares[1] * v + error);
     // 4 columns if the ratio is 1, and twice as many if it is 4.
     match ratio {

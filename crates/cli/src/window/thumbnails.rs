@@ -11,7 +11,7 @@ use std::thread::{JoinHandle, sleep, spawn};
 use std::time::Duration;
 use zeroset_render::overlay::Canvas;
 use zeroset_render::picture::Settings;
-use zeroset_scene::gallery::{Example, examples, parametric};
+use zeroset_scene::gallery::{Example, surfaces};
 
 /// Rows and columns of a small picture at scale 1.
 pub const SIDE: usize = 96;
@@ -46,7 +46,7 @@ struct ThumbnailStore {
 impl Thumbnails {
     /// Creates an empty store for pictures of `scale` times [`SIDE`] rows and columns.
     pub fn new(scale: f64) -> Self {
-        let examples = [examples(), parametric()].concat();
+        let examples = surfaces();
         let pictures = Mutex::new(vec![None; examples.len()]);
         let shared = ThumbnailStore {
             examples,

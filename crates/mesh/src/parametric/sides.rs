@@ -22,7 +22,7 @@ struct Glue {
     axis: usize,
     /// The ends, 0 or [`PARTS`].
     ends: [u32; 2],
-    /// Whether one side runs along the other in the opposite direction.
+    /// True if one side runs along the other in the opposite direction.
     is_turned: bool,
     /// How far one side is moved along the other, around its end.
     shift: u32,
@@ -130,7 +130,7 @@ impl Glue {
         Self { axis, ends, is_turned, shift: STEP * shift as u32 }
     }
 
-    /// Whether each point would be glued to itself.
+    /// Returns whether each point would be glued to itself.
     fn is_nothing(&self) -> bool {
         self.ends[0] == self.ends[1] && !self.is_turned && self.shift == 0
     }

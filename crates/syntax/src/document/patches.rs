@@ -1,7 +1,7 @@
 //! Lowers parametric surfaces to a graph of their own. Nothing here evaluates a surface.
 
 use crate::document::curves::{check_ends, located};
-use crate::document::reading::DocumentReader;
+use crate::document::reading::{DocumentReader, in_one_line};
 use crate::lower::lowering::Lowering;
 use crate::lower::value::Tensor;
 use crate::picture::paint::SurfaceColor;
@@ -47,7 +47,7 @@ pub struct Patch {
 impl Patch {
     /// The statement as it was read, in one line.
     pub fn line(&self) -> String {
-        self.echo.split_whitespace().collect::<Vec<_>>().join(" ")
+        in_one_line(&self.echo)
     }
 
     /// All nodes of the surface: coordinates, then the ends of the ranges.

@@ -138,7 +138,7 @@ impl Surface {
 }
 
 /// A text without line breaks.
-fn in_one_line(text: &str) -> String {
+pub(crate) fn in_one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 

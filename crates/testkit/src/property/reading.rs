@@ -81,8 +81,8 @@ fn well_formed(document: &Document, text: &str) -> Result<(), String> {
     if let Some(surface) = beyond {
         return Err(format!("a surface without a function: {surface:?}"));
     }
-    let is_beyond = |root: &NodeId| root.index() >= patches.graph.len();
-    let beyond = patches.all.iter().find(|patch| patch_roots(patch).iter().any(is_beyond));
+    let is_beyond = |root: NodeId| root.index() >= patches.graph.len();
+    let beyond = patches.all.iter().find(|patch| patch.roots().any(is_beyond));
     beyond.map_or(Ok(()), |patch| Err(format!("a patch without a function: {}", patch.echo)))
 }
 
@@ -100,18 +100,14 @@ fn printed(text: &str) -> Result<String, String> {
     }
 }
 
-/// The coordinates of a parametric surface, and the ends of its ranges.
-fn patch_roots(patch: &Patch) -> Vec<NodeId> {
-    patch.at.iter().chain(patch.ends.as_flattened()).copied().collect()
-}
-
 fn same_graph(document: &Document, printed: &str, options: &Options<'_>) -> Result<(), String> {
     let options = Options { limits: PRINTED, ..*options };
     let again = read(printed, &options).map_err(|errors| format!("{printed:?}: {errors}"))?;
     let nodes = |graph: &Graph| graph.iter().map(|(_, node)| node.clone()).collect::<Vec<_>>();
     let roots = |document: &Document| document.surfaces.iter().map(|s| s.root).collect::<Vec<_>>();
-    let patches =
-        |document: &Document| -> Vec<_> { document.patches.all.iter().map(patch_roots).collect() };
+    let patches = |document: &Document| -> Vec<NodeId> {
+        document.patches.all.iter().flat_map(Patch::roots).collect()
+    };
     let same = nodes(&document.graph) == nodes(&again.graph)
         && roots(document) == roots(&again)
         && nodes(&document.patches.graph) == nodes(&again.patches.graph)

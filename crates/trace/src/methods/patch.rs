@@ -23,7 +23,7 @@ use crate::ray_result::RayResult;
 use fearless_simd::Level;
 use meeting::{Beam, BeamLanes, CellView, Firsts, Meetings, axes, main_axis};
 use search::{Candidate, Goal, Place, SHADOW_LENGTH, Search};
-use zeroset_eval::{KernelError, LANES, Lanes, Patches, dispatch};
+use zeroset_eval::{KernelError, LANES, Patches, dispatch};
 use zeroset_space::{PatchNode, PatchTree, Region};
 
 /// The only method for parametric surfaces. Other methods are for equations and solids.
@@ -328,20 +328,10 @@ impl<'a> PatchTracer<'a> {
 
 /// Returns whether a cell is divided for a square of rays.
 fn is_coarse(cells: &Patches<f64>, lane: usize, longest: f64) -> bool {
-    let error = error(cells, lane);
+    let error = cells.largest_error(lane);
     if error <= SMALL * longest {
         return false;
     }
-    let side = |along: &[Lanes<f64>; 3]| {
-        along[0].0[lane].abs().max(along[1].0[lane].abs()).max(along[2].0[lane].abs())
-    };
-    error > LARGE * longest || error > ROUGH * side(&cells.along_u).min(side(&cells.along_v))
-}
-
-/// The largest error of a coordinate over a cell.
-fn error(cells: &Patches<f64>, lane: usize) -> f64 {
-    let (x, y, z) = (cells.error[0][lane], cells.error[1][lane], cells.error[2][lane]);
-    // NaN counts as infinite.
-    let largest = x.max(y).max(z);
-    if (x + y + z).is_finite() { largest } else { f64::INFINITY }
+    let [u, v] = cells.sides(lane);
+    error > LARGE * longest || error > ROUGH * u.min(v)
 }
