@@ -388,7 +388,7 @@ impl<T: Real> Segments<T> {
 }
 
 impl Patches<f64> {
-    /// The largest error of a coordinate over the cell of a lane. Infinite if an error is no number.
+    /// The largest error of a coordinate over the cell of a lane: infinite if one is no number.
     pub fn largest_error(&self, lane: usize) -> f64 {
         let [x, y, z] = [self.error[0].0[lane], self.error[1].0[lane], self.error[2].0[lane]];
         if (x + y + z).is_finite() { x.max(y).max(z) } else { f64::INFINITY }
