@@ -244,6 +244,59 @@ fn contours_are_dark_where_a_value_is_a_multiple() {
 }
 
 #[test]
+fn parameters_give_colors_and_lines() {
+    let sheet = |names: [&str; 2]| {
+        let [s, t] = names;
+        format!("({s}/4, {s}, {t}) for {s} in [-2, 2], {t} in [-2, 2]")
+    };
+    let [one, other] = [sheet(["s", "t"]), sheet(["b", "s"])];
+    let near = |one: &Picture, other: &Picture, what: &str| {
+        for n in (0..SIDE * SIDE).filter(|n| one.buffer.is_drawn(*n)) {
+            assert_near(pixel(one, n), pixel(other, n), what);
+        }
+    };
+    for (typed, same, sheet) in [("s", "y", &one), ("t^2 - s", "z^2 - y", &one), ("s", "z", &other)]
+    {
+        let [typed, same] =
+            [typed, same].map(|value| picture(&format!("color viridis({value}, -2, 2)\n{sheet}")));
+        near(&typed, &same, sheet);
+    }
+    // Each surface has its own names. They hide those of the text, but not in equations.
+    let two = |values: [&str; 2]| {
+        let before = "(b/4 - 1, b, s) for b in [-2, 0], s in [-2, 0]";
+        let [first, second] = values.map(|value| format!("color turbo({value}, -2, 2)"));
+        picture(&format!("s = 1 in [0, 2]\n{first}\n{one}\n{second}\n{before}"))
+    };
+    near(&two(["s", "s"]), &two(["y", "z"]), "two surfaces");
+    let sphere = "x^2+y^2+z^2 = 1";
+    let [nowhere, own] =
+        ["color viridis(t)\n", ""].map(|line| picture(&format!("{line}{sphere}\n{one}")));
+    let on_sphere = |n: &usize| own.buffer.surface[*n] == 0 && own.buffer.is_drawn(*n);
+    let at: Vec<usize> = (0..SIDE * SIDE).filter(on_sphere).collect();
+    assert!(at.len() > 100 && at.iter().all(|n| pixel(&nowhere, *n) == pixel(&own, *n)));
+    // A mesh has twelve cells along each parameter, so three in a unit of y and of z here.
+    let settings = Settings { width: 3 * SIDE, height: 3 * SIDE, ..settings() };
+    let [plain, lined] =
+        [&one, &format!("mesh\n{one}")].map(|text| picture_of(text, None, &settings));
+    let rays = RayGrid::new(&camera(), settings.width, settings.height);
+    let off = |at: f64| (3.0 * at - (3.0 * at).round()).abs() / 3.0 / rays.footprint(8.0);
+    let (mut dark, mut light) = (0, 0);
+    for n in 0..plain.buffer.drawn.len() {
+        let at = rays.ray_of(n).origin;
+        let least = off(at.y).min(off(at.z));
+        let [before, after] = [&plain, &lined].map(|picture| u32::from(pixel(picture, n)[0]));
+        if least < 0.6 {
+            dark += 1;
+            assert!(after < before * 9 / 10, "{at}: {before} and {after}");
+        } else if least > 2.0 {
+            light += 1;
+            assert_eq!(before, after, "{at}");
+        }
+    }
+    assert!(dark > 1000 && light > 1000, "{dark} and {light}");
+}
+
+#[test]
 fn lines_of_a_document_are_as_the_settings() {
     let text = "x^2+y^2+z^2=1\n(x+1.5)^2+y^2+z^2=0.1";
     let said = |line: &str| picture(&format!("{line}\n{text}")).rgb;

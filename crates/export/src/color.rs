@@ -120,7 +120,11 @@ fn values(mapped: &MappedColor, parameters: &[f64], mesh: &Mesh) -> Vec<f64> {
     let place = |vertex: usize| {
         let [nx, ny, nz] = normals[vertex].as_dvec3().to_array();
         // There is no eye to be distant from.
-        Place { at: mesh.vertices[vertex].to_array(), own: [nx, ny, nz, f64::NAN] }
+        Place {
+            at: mesh.vertices[vertex].to_array(),
+            own: [nx, ny, nz, f64::NAN],
+            parameters: [f64::NAN; 2],
+        }
     };
     let mut values = vec![f64::NAN; mesh.vertices.len()];
     values.par_chunks_mut(PART).enumerate().for_each(|(part, values)| {

@@ -76,6 +76,11 @@ impl PatchSurface {
         &self.coordinates
     }
 
+    /// The ranges of both parameters, in floats.
+    pub fn ranges(&self) -> PatchCell {
+        self.rectangle.outer
+    }
+
     /// The program of the coordinates, with its kernels run by another evaluator.
     pub(crate) fn on(&self, evaluator: crate::kernels::Evaluator) -> Self {
         Self::of(self.coordinates.on(evaluator), self.rectangle)

@@ -14,6 +14,8 @@ pub struct Place {
     pub at: [f64; 3],
     /// The named quantities, in the order of [`POINT_NAMES`].
     pub own: [f64; POINT_NAMES.len()],
+    /// The parameters of a parametric surface; NaN on other surfaces.
+    pub parameters: [f64; 2],
 }
 
 /// A value, ready to be evaluated at points.
@@ -55,7 +57,13 @@ impl<'a> PointValues<'a> {
                     let number = *number as usize;
                     match self.parameters.get(number) {
                         Some(parameter) => both([*parameter; 2]),
-                        None => both(two.map(|place| place.own[number - self.parameters.len()])),
+                        None => both(two.map(|place| {
+                            let number = number - self.parameters.len();
+                            *place
+                                .own
+                                .get(number)
+                                .unwrap_or_else(|| &place.parameters[number - POINT_NAMES.len()])
+                        })),
                     }
                 }
                 Node::Constant(constant) => both([nearest(constant); 2]),

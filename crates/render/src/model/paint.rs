@@ -59,7 +59,7 @@ pub(super) struct Painter<'a> {
     scales: Vec<Option<ValueScale<'a>>>,
     /// Value and step of the contour lines on each surface.
     contours: Vec<Option<(&'a PointValue, f64)>>,
-    /// Value and step of the lines of a mesh, on all surfaces.
+    /// Value and step of the lines of a mesh, on all surfaces but parametric ones.
     mesh: Vec<(&'a PointValue, f64)>,
 }
 
@@ -208,21 +208,41 @@ impl<'a> Painter<'a> {
                 }
                 known = Some((&value.echo, values));
             }
-            for (value, step) in contours.iter().chain(&self.mesh) {
-                let values = match &known {
-                    Some((echo, values)) if *echo == value.echo => Cow::Borrowed(values),
-                    _ => Cow::Owned(self.values(value, &points, picture, rays, 0.0)),
-                };
-                let lines = Lines { step: *step, side: side as f64 };
+            let mut draw = |values: &[f64], step: f64| {
+                let lines = Lines { step, side: side as f64 };
                 let mut field = vec![f64::NAN; picture.drawn.len()];
-                points.iter().zip(&*values).for_each(|(&pixel, value)| field[pixel] = *value);
+                points.iter().zip(values).for_each(|(&pixel, value)| field[pixel] = *value);
                 for &pixel in &points {
                     let ink = lines.ink(&field, pixel, rays.beside(pixel)) as f32;
                     paint[pixel].ink = paint[pixel].ink.max(ink);
                 }
+            };
+            let patch = self.model.program.patch(surface);
+            let mesh = if patch.is_some() { &[][..] } else { &self.mesh };
+            for (value, step) in contours.iter().chain(mesh) {
+                let values = match &known {
+                    Some((echo, values)) if *echo == value.echo => Cow::Borrowed(values),
+                    _ => Cow::Owned(self.values(value, &points, picture, rays, 0.0)),
+                };
+                draw(&values, *step);
+            }
+            if let Some(patch) = patch.filter(|_| !self.model.setting.mesh.is_empty()) {
+                for (axis, [low, high]) in patch.ranges().into_iter().enumerate() {
+                    let share = |pixel: &usize| {
+                        (self.parameters(picture, *pixel)[axis] - low) / (high - low)
+                    };
+                    draw(&points.iter().map(share).collect::<Vec<_>>(), 1.0 / LINES);
+                }
             }
         }
         paint
+    }
+
+    /// The parameters of a pixel's point; NaN if its surface has none.
+    fn parameters(&self, picture: &GBuffer, pixel: usize) -> [f64; 2] {
+        let surface = usize::from(picture.surface[pixel]);
+        let known = self.model.program.patch(surface).and(picture.parameters.get(pixel));
+        known.map_or([f64::NAN; 2], |known| known.map(f64::from))
     }
 
     /// Values at the points of these pixels, each moved back along its ray by `behind` pixel
@@ -242,7 +262,8 @@ impl<'a> Painter<'a> {
             let t = ray.parameter(drawn);
             let at = ray.at(t + behind * rays.footprint(t));
             let [nx, ny, nz] = picture.normal[pixel].map(f64::from);
-            Place { at: at.to_array(), own: [nx, ny, nz, drawn] }
+            let own = [nx, ny, nz, drawn];
+            Place { at: at.to_array(), own, parameters: self.parameters(picture, pixel) }
         };
         let mut values = vec![f64::NAN; points.len()];
         let parts = values.par_chunks_mut(PART).zip(points.par_chunks(PART));

@@ -89,7 +89,11 @@ pub fn values_at(document: &Document, value: &PointValue, places: &[DVec3]) -> V
     let parameters: Vec<f64> = constants(document).iter().map(nearest).collect();
     let value = PointValues::new(value, &parameters);
     let mut room = value.room();
-    let place = |at: &DVec3| Place { at: at.to_array(), own: [0.0; POINT_NAMES.len()] };
+    let place = |at: &DVec3| Place {
+        at: at.to_array(),
+        own: [0.0; POINT_NAMES.len()],
+        parameters: [f64::NAN; 2],
+    };
     places.iter().map(|at| value.pair(&mut room, [place(at); 2])[0]).collect()
 }
 

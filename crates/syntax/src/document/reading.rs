@@ -24,13 +24,13 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_dialect::program;
 use zeroset_ir::{Constant, Graph, NodeId};
 use zeroset_parser::lex::spelling::short_name;
-use zeroset_parser::tree::ast::{CurveForm, Definition, Expr, Name, Statement};
+use zeroset_parser::tree::ast::{CurveForm, CurveStatement, Definition, Expr, Name, Statement};
 use zeroset_parser::tree::built_statement::BuiltStatement;
 use zeroset_parser::tree::curve_statement::curve;
 use zeroset_parser::tree::grammar::Rule;
 use zeroset_parser::tree::print::Drawing;
 use zeroset_parser::tree::scope::{NameMeaning, Scope};
-use zeroset_parser::tree::statement::{build, lines, resolve_heads};
+use zeroset_parser::tree::statement::{ParsedStatement, build, lines, resolve_heads};
 use zeroset_parser::{
     Error, ErrorKind, Errors, Fallible, Limits, MAX_ERRORS, MAX_NOTES, Note, NoteKind, Span,
 };
@@ -337,14 +337,23 @@ impl<'a> DocumentReader<'a> {
             foreign_definitions(self.text, &lines, &mut scope, &self.options.limits);
         built.extend(defined);
         self.notes.extend(notes);
+        // Lines about the picture come last, since a color may use the parameters of surfaces.
+        let (settings, lines): (Vec<_>, Vec<_>) = lines.into_iter().partition(is_setting);
         for line in lines {
-            let result = if line.pair.as_rule() == Rule::line {
-                build(self.text, line, &scope, &self.options.limits).map(|b| built.push(b))
-            } else if line.is_curve() {
-                curve(self.text, line, &scope, &self.options.limits).map(|b| built.push(b))
+            let result = if line.is_curve() {
+                curve(self.text, line, &scope, &self.options.limits)
             } else {
-                self.settings.read(self.text, line, &scope, &self.options.limits)
+                build(self.text, line, &scope, &self.options.limits)
             };
+            built.extend(self.ok_or_record(result));
+            if self.errors.len() >= MAX_ERRORS {
+                break;
+            }
+        }
+        let all = built.iter().chain(&program.synthesized);
+        self.settings.parameters = all.filter_map(patch_parameters).flatten().cloned().collect();
+        for line in settings {
+            let result = self.settings.read(self.text, line, &scope, &self.options.limits);
             self.ok_or_record(result);
             if self.errors.len() >= MAX_ERRORS {
                 break;
@@ -471,14 +480,16 @@ impl<'a> DocumentReader<'a> {
         let points = parameters.len() as u32;
         let limits =
             Limits { nodes: self.options.limits.nodes_for(self.text.len()), ..self.options.limits };
-        let values = PointValues::new(names.clone(), points, time, &limits);
+        let (patches, curves): (Vec<&BuiltStatement>, _) =
+            curves.iter().partition(|one| patch_parameters(one).is_some());
+        let mut values = PointValues::new(names.clone(), points, time, &limits);
+        let own = patches.iter().filter_map(|one| patch_parameters(one));
+        values.patches.extend(own.map(|own| own.each_ref().map(|name| name.text.as_str())));
         let lowered = |names| {
             let mut lowering = Lowering::new(names, time, &limits);
             lowering.multiplies_to_numbers = scope.in_degrees;
             lowering
         };
-        let (patches, curves): (Vec<&BuiltStatement>, _) =
-            curves.iter().partition(|one| is_patch(&one.statement));
         let mut patches = if patches.is_empty() {
             Patches::default()
         } else {
@@ -548,9 +559,19 @@ impl<'a> DocumentReader<'a> {
     }
 }
 
-/// Returns whether a statement draws a parametric surface.
-fn is_patch(statement: &Statement) -> bool {
-    matches!(statement, Statement::Curve(curve) if matches!(curve.form, CurveForm::Patch { .. }))
+/// Returns whether a line is one about the picture.
+fn is_setting(line: &ParsedStatement<'_>) -> bool {
+    line.pair.as_rule() != Rule::line && !line.is_curve()
+}
+
+/// The parameters of a parametric surface; `None` if the statement draws none.
+fn patch_parameters(one: &BuiltStatement) -> Option<&[Name; 2]> {
+    match &one.statement {
+        Statement::Curve(CurveStatement { form: CurveForm::Patch { parameters, .. }, .. }) => {
+            Some(parameters)
+        }
+        _ => None,
+    }
 }
 
 /// The settings that have no field of their own in a document.
@@ -560,7 +581,7 @@ pub(crate) fn picture<'a>(
 ) -> Fallible<PictureLines> {
     let mut picture = settings.picture.clone();
     if let Some(Contours { value, step }) = &settings.contours {
-        let value = value.as_ref().map(|value| values.value(value)).transpose()?;
+        let value = value.as_ref().map(|value| values.value(value, None)).transpose()?;
         picture.contours = Some(Contours { value, step: step.clone() });
     }
     Ok(picture)
@@ -584,10 +605,13 @@ pub(crate) fn style<'a>(
         patches.iter_mut().map(|Patch { span, color, opacity, material, hidden, .. }| {
             (span.start, color, opacity, material, hidden)
         });
-    for (place, own_color, own_opacity, material, hidden) in surfaces.chain(patches) {
+    let surfaces = surfaces.map(|one| (None, one));
+    let patches = patches.enumerate().map(|(patch, one)| (Some(patch), one));
+    for (patch, one) in surfaces.chain(patches) {
+        let (place, own_color, own_opacity, material, hidden) = one;
         let color = setting_for(&settings.colors, place, last);
         let typed = color.and_then(|(typed, _)| typed.as_ref());
-        *own_color = typed.map(|typed| values.color(typed)).transpose()?;
+        *own_color = typed.map(|typed| values.color(typed, patch)).transpose()?;
         let own = color.and_then(|(_, opacity)| *opacity);
         let opacity = own.or_else(|| setting_for(&settings.opacities, place, last).copied());
         *material = setting_for(&settings.materials, place, last).copied().unwrap_or_default();
@@ -598,7 +622,7 @@ pub(crate) fn style<'a>(
         let place = curve.span.start;
         let typed =
             setting_for(&settings.colors, place, last).and_then(|(typed, _)| typed.as_ref());
-        curve.color = typed.map(|typed| values.color(typed)).transpose()?;
+        curve.color = typed.map(|typed| values.color(typed, None)).transpose()?;
         curve.width = setting_for(&settings.widths, place, last).copied();
         curve.hidden = setting_for(&settings.hidden, place, last) == Some(&true);
     }

@@ -11,7 +11,7 @@ use zeroset_ir::Constant;
 use zeroset_parser::lex::spelling::typed_setting;
 use zeroset_parser::lex::token_kind::TokenKind;
 use zeroset_parser::settings::{SETTINGS, SettingKind, setting_word};
-use zeroset_parser::tree::ast::Expr;
+use zeroset_parser::tree::ast::{Expr, Name};
 use zeroset_parser::tree::builder::Builder;
 use zeroset_parser::tree::grammar::{Pair, Rule, parts};
 use zeroset_parser::tree::scope::Scope;
@@ -34,7 +34,7 @@ pub struct PictureLines {
     /// A line of text at the top of the picture.
     pub title: Option<String>,
     /// Whether to draw lines of equal x, y and z on the surfaces. On a graph z = f(x, y), only
-    /// those of equal x and y.
+    /// those of equal x and y; on a parametric surface, those of equal parameters.
     pub mesh: Option<bool>,
     /// Contour lines on the surfaces.
     pub contours: Option<Contours>,
@@ -69,6 +69,8 @@ pub(crate) struct CollectedLines {
     /// Places of all lines about the picture, in order.
     pub lines: Vec<SettingLine>,
     pub contours: Option<Contours<Expr>>,
+    /// Parameters of all parametric surfaces, which values at their points may use.
+    pub parameters: Vec<Name>,
     /// The scope for values at points of a surface, built when a line first needs the scope.
     scope: Option<Scope>,
     /// Names of the document that the settings depend on.
@@ -90,13 +92,14 @@ impl CollectedLines {
         let setting = typed_setting(&text[first.span.range()])
             .or_else(|| SETTINGS.iter().find(|row| TokenKind::of_setting(row.kind) == first.kind))
             .ok_or_else(|| Error::new(span, ErrorKind::Empty))?;
-        let scope = match setting.kind {
+        let (scope, locals) = match setting.kind {
             SettingKind::Color | SettingKind::Contours => {
-                self.scope.get_or_insert_with(|| with_point_names(scope))
+                let scope = self.scope.get_or_insert_with(|| with_point_names(scope));
+                (&*scope, self.parameters.as_slice())
             }
-            _ => scope,
+            _ => (scope, [].as_slice()),
         };
-        let mut builder = Builder::new(text, &line.raw.lexed, scope, &[], limits);
+        let mut builder = Builder::new(text, &line.raw.lexed, scope, locals, limits);
         builder.aliases = line.raw.aliases.clone();
         let mut reader = LineReader { builder };
         let (pair, at, word) = (line.pair, span.start, setting.word);

@@ -7,6 +7,7 @@ use zeroset_style::{COLOR_MAPS, ColorMap, OPACITY};
 
 use crate::lower::constant::{evaluate, evaluate_range};
 use crate::lower::lowering::{Lowering, NameBinding};
+use crate::lower::value::Tensor;
 use crate::picture::line_reader::{LineReader, bad_setting};
 use crate::picture::scene::SrgbColor;
 use rustc_hash::FxHashMap;
@@ -17,6 +18,7 @@ use zeroset_parser::{ErrorKind, Fallible, Limits, Span};
 
 /// Names for values at a point of a surface, besides x, y and z: the unit normal and the distance
 /// from the eye. In a [`PointValue`] they are parameters, numbered after the document's parameters.
+/// Then come the two parameters of a parametric surface, whose names are free.
 pub const POINT_NAMES: [&str; 4] = ["nx", "ny", "nz", "depth"];
 
 /// Contour lines on a surface. A value is constant along each line.
@@ -55,7 +57,8 @@ pub struct MappedColor<V = PointValue> {
 /// A number at each point of a surface.
 #[derive(Clone, Debug)]
 pub struct PointValue {
-    /// Graph of the value. Its parameters are the document's parameters, then [`POINT_NAMES`].
+    /// Graph of the value. Its parameters are the document's parameters, then [`POINT_NAMES`], then
+    /// the two of a parametric surface.
     pub graph: Graph,
     /// Node of the value in `graph`.
     pub root: NodeId,
@@ -79,9 +82,13 @@ pub(crate) fn with_point_names(scope: &Scope) -> Scope {
 
 /// Lowers values at points of a surface to graphs.
 pub(crate) struct PointValues<'a> {
-    pub names: FxHashMap<&'a str, NameBinding<'a>>,
-    pub time: Option<u32>,
-    pub limits: &'a Limits,
+    names: FxHashMap<&'a str, NameBinding<'a>>,
+    /// Number of the first of [`POINT_NAMES`].
+    first: u32,
+    time: Option<u32>,
+    limits: &'a Limits,
+    /// The names of the parameters of each parametric surface.
+    pub patches: Vec<[&'a str; 2]>,
 }
 
 impl<'a> PointValues<'a> {
@@ -95,22 +102,37 @@ impl<'a> PointValues<'a> {
         for (number, name) in (first..).zip(POINT_NAMES) {
             names.entry(name).or_insert(NameBinding::Parameter(number));
         }
-        Self { names, time, limits }
+        Self { names, first, time, limits, patches: Vec::new() }
     }
 
-    /// Lowers the expression of a value to a separate graph.
-    pub fn value(&self, expr: &'a Expr) -> Fallible<PointValue> {
+    /// Lowers the expression of a value to a separate graph. Names of parameters mean those of the
+    /// parametric surface with the number `patch`. If it has no such name, they mean those of the
+    /// first one that has it.
+    pub fn value(&self, expr: &'a Expr, patch: Option<usize>) -> Fallible<PointValue> {
         let mut lowering = Lowering::new(self.names.clone(), self.time, self.limits);
-        let root = lowering.value(expr)?;
+        let own = patch.map(|patch| &self.patches[patch]);
+        let mut locals = Vec::new();
+        // The last one that has a name counts.
+        for names in self.patches.iter().rev().chain(own) {
+            for (number, name) in (self.first + POINT_NAMES.len() as u32..).zip(names) {
+                locals.push((*name, Tensor::Number(lowering.graph.parameter(number))));
+            }
+        }
+        let root = lowering.complete(|all| all.number(expr, &locals))?;
+        let root = lowering.in_place(root, expr.span)?;
         Ok(PointValue { graph: lowering.graph, root, echo: expr.to_string() })
     }
 
-    /// Lowers a surface's color, which may hold an expression.
-    pub fn color(&self, typed: &'a SurfaceColor<Expr>) -> Fallible<SurfaceColor> {
+    /// Lowers a surface's color, which may hold an expression: see [`PointValues::value`].
+    pub fn color(
+        &self,
+        typed: &'a SurfaceColor<Expr>,
+        patch: Option<usize>,
+    ) -> Fallible<SurfaceColor> {
         Ok(match typed {
             SurfaceColor::Plain(color) => SurfaceColor::Plain(*color),
             SurfaceColor::Mapped(MappedColor { map, value, range }) => {
-                let (value, range) = (self.value(value)?, range.clone());
+                let (value, range) = (self.value(value, patch)?, range.clone());
                 SurfaceColor::Mapped(MappedColor { map, value, range })
             }
         })
