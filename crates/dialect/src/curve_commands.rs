@@ -6,7 +6,7 @@ use crate::plot_arguments::{Arguments, PlotRange};
 use crate::program_words::Words;
 use zeroset_parser::lex::curve_form::parameter_range;
 use zeroset_parser::lex::spelling::{is_name_char, plain_name, prefix_length, short_name};
-use zeroset_parser::lex::token::{Token, bracketed, closing, in_brackets, span_of, split};
+use zeroset_parser::lex::token::{Token, bracketed, closing, in_brackets, outside, span_of, split};
 use zeroset_parser::lex::token_kind::TokenKind::{self, *};
 use zeroset_parser::{Error, ErrorKind, Fallible, Note, NoteKind, Span};
 
@@ -68,7 +68,10 @@ pub(crate) fn path_of(
 ) -> Vec<Token> {
     let sign = |kind: TokenKind, at: usize| Token::new(kind, Span::at(at));
     let start = place.start;
-    let mut all = vec![sign(CurveWord, start), sign(OpenParen, start)];
+    let mut all = vec![sign(CurveWord, start)];
+    // One part is a vector.
+    let is_point = parts.len() > 1;
+    all.extend(is_point.then(|| sign(OpenParen, start)));
     for (index, part) in parts.iter().enumerate() {
         let span = span_of(part).unwrap_or(place);
         if index > 0 {
@@ -76,7 +79,8 @@ pub(crate) fn path_of(
         }
         all.extend(part);
     }
-    all.extend(ranges.first().map(|(_, range)| sign(CloseParen, range.low[0].span.start)));
+    let end = ranges.first().filter(|_| is_point);
+    all.extend(end.map(|(_, range)| sign(CloseParen, range.low[0].span.start)));
     for (name, PlotRange { low, high, .. }) in ranges {
         let (from, to) = (low[0].span.start, high[high.len() - 1].span.end);
         all.extend([sign(For, from), *name, sign(In, from), sign(OpenBracket, from)]);
@@ -86,6 +90,24 @@ pub(crate) fn path_of(
         all.push(sign(CloseBracket, to));
     }
     all
+}
+
+/// A vector that is no list, as `r[u] + v {0, 0, 1}` of Mathematica, with the lists in it in round
+/// brackets. `None` for several values, and for a list.
+fn sum_of_lists(part: &[Token]) -> Option<Vec<Token>> {
+    let is_list = bracketed(part).is_some_and(|(_, rest)| rest.is_empty());
+    if is_list || outside(part, Comma).is_some() {
+        return None;
+    }
+    let mut sum = part.to_vec();
+    for at in (0..part.len()).rev().filter(|at| part[*at].kind == OpenBrace) {
+        let end = at + closing(&sum[at..])?;
+        (sum[at].kind, sum[end].kind) = (OpenParen, CloseParen);
+        if at > 0 && part[at - 1].kind.ends_operand() {
+            sum.insert(at, Token::new(Star, Span::at(part[at].span.start)));
+        }
+    }
+    Some(sum)
 }
 
 impl Words<'_> {
@@ -353,6 +375,16 @@ impl Words<'_> {
                 (if own.is_empty() { first.0.clone() } else { own }, value)
             });
             return Some((parts.collect(), 1));
+        }
+        let is_range = |part: &Vec<Token>| {
+            bracketed(part).is_some_and(|(inner, _)| {
+                matches!(split(inner, Comma).as_slice(), [name, _, _] if name.len() == 1)
+            })
+        };
+        let is_vector = arguments.all().get(1).is_some_and(is_range);
+        if let Some(sum) = is_vector.then(|| sum_of_lists(&first.1)).flatten() {
+            arguments.take(0);
+            return Some((vec![(first.0, sum)], 1));
         }
         let three = arguments.all().get(..3)?;
         let is_option = |part: &Vec<Token>| part.get(1).is_some_and(|sign| sign.kind == Equals);

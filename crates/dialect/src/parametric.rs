@@ -109,6 +109,38 @@ impl ProgramReader<'_> {
         Ok(true)
     }
 
+    /// Reads a command whose first argument is a list of surfaces, as in
+    /// `ParametricPlot3D[{{u, v, 0}, {u, v, 1}}, …]`. Returns false for any other statement.
+    pub(crate) fn command_over_list(
+        &mut self,
+        tokens: &[Token],
+        frame: &mut Frame,
+    ) -> Fallible<bool> {
+        let first = tokens.iter().take(8).position(|token| draws_surface(self.words.word(*token)));
+        let Some((at, (inner, rest))) =
+            first.and_then(|at| Some((at, bracketed(&tokens[at + 1..])?)))
+        else {
+            return Ok(false);
+        };
+        let parts = split(inner, Comma);
+        let list = parts.first().and_then(|part| bracketed(part)).map(|(list, _)| list);
+        let surfaces = list.map(|list| split(list, Comma)).unwrap_or_default();
+        let is_point = |part: &Vec<Token>| {
+            bracketed(part).is_some_and(|(own, _)| split(own, Comma).len() == 3)
+        };
+        if surfaces.is_empty() || !surfaces.iter().all(is_point) {
+            return Ok(false);
+        }
+        let mut none = Statements::default();
+        for surface in surfaces {
+            let mut all = tokens[..at + 2].to_vec();
+            all.extend(separated(&[&[surface], &parts[1..]].concat()));
+            all.extend(&tokens[tokens.len() - rest.len() - 1..]);
+            self.statement(all, frame, &mut none)?;
+        }
+        Ok(true)
+    }
+
     /// Returns whether a statement only adds plots that were drawn before, as in `p1 + p2` of Sage.
     pub(crate) fn adds_plots(&self, tokens: &[Token]) -> bool {
         let is_plot = |name: &Token| {

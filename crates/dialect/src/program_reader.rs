@@ -24,7 +24,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use std::cell::Cell;
 use std::rc::Rc;
 use zeroset_parser::lex::spelling::short_name;
-use zeroset_parser::lex::token::{Token, closing};
+use zeroset_parser::lex::token::{Token, closing, outside};
 use zeroset_parser::tree::aliases::Aliases;
 use zeroset_parser::tree::ast::{Expr, ExprKind, LETTERS, Name, NamedValue, Statement};
 use zeroset_parser::tree::built_statement::BuiltStatement;
@@ -498,9 +498,12 @@ impl ProgramReader<'_> {
     fn curve(&self, tokens: &[Token]) -> Option<Vec<Token>> {
         let mut tokens = tokens.to_vec();
         trim(self.words.text, &mut tokens);
-        let is_defined = self.arity(tokens[0]).is_some();
-        if is_defined {
-            return None;
+        if self.arity(tokens[0]).is_some() {
+            // Only a sum that moves over a range, as `p + t*(1, 2, 3) for t in [0, 1]`.
+            let is_path = outside(&tokens, Equals).is_none()
+                && !matches!(self.words.word(tokens[0]), "curve" | "point")
+                && tokens.iter().any(|token| token.kind == TokenKind::In);
+            return marked_curve(self.words.text, &tokens).filter(|_| is_path);
         }
         marked_curve(self.words.text, &tokens).or_else(|| self.words.segment(&tokens))
     }
@@ -521,7 +524,10 @@ impl ProgramReader<'_> {
         if let Some(curve) = self.words.parametric_splot(tokens, set) {
             return self.plain(curve, frame, false).map(|()| true);
         }
-        if self.adds_plots(tokens) || self.surface_list(tokens, frame)? {
+        if self.adds_plots(tokens)
+            || self.surface_list(tokens, frame)?
+            || self.command_over_list(tokens, frame)?
+        {
             return Ok(true);
         }
         let mut list = None;

@@ -160,15 +160,30 @@ fn path(text: &str, tokens: &[Token], is_curve: bool) -> Option<(Vec<Token>, Vec
     let sign = |kind: TokenKind, at: Span| Token::new(kind, Span::at(at.start));
     let mut marked = Vec::new();
     for range in &split {
-        let (name, low, high) = parameter_range(range)?;
+        let (name, low, high) = match range.as_slice() {
+            [name, sign, all]
+                if name.kind.is_name() && sign.kind == In && matches!(word(all), "R" | "ℝ") =>
+            {
+                (*name, &range[2..], &range[2..])
+            }
+            _ => parameter_range(range)?,
+        };
+        let ends = |tokens: &[Token]| tokens.iter().map(|token| infinity(text, *token)).collect();
+        let [low, high]: [Vec<Token>; 2] = [low, high].map(ends);
         marked.extend([sign(For, name.span), name, sign(In, name.span)]);
         marked.push(sign(OpenBracket, low[0].span));
         marked.extend(low);
         marked.push(sign(Comma, high[0].span));
-        marked.extend(high);
+        marked.extend(&high);
         marked.push(Token::new(CloseBracket, Span::at(high[high.len() - 1].span.end)));
     }
     Some((in_parentheses(point), marked))
+}
+
+/// The sign `∞` as a name, which may be the end of a range; other tokens as they are.
+fn infinity(text: &str, token: Token) -> Token {
+    let is_sign = token.kind == Unknown && &text[token.span.range()] == "∞";
+    if is_sign { Token { kind: TokenKind::Name, ..token } } else { token }
 }
 
 /// Returns whether `tokens` are a sum with a vector in brackets, as in `(1-t)*(1, 2, 3) + t*p`.

@@ -53,6 +53,11 @@ pub enum NoteKind {
     Redefined { name: String },
     #[error("`{name}` is defined and never used{}", did_you_mean(.meant.as_deref()))]
     Unused { name: String, meant: Option<String> },
+    #[error(
+        "the range of `{name}` is cut to a length of {length}, since it is infinite; \
+         write its ends to see another part"
+    )]
+    CutRange { name: String, length: u8 },
     #[error("`{name}` is set to a value outside its range")]
     OutsideRange { name: String },
     #[error("`{name}` says how many terms there are, so it is a constant and no slider")]

@@ -4,6 +4,7 @@ use crate::lex::spelling::plain_name;
 use crate::lex::token_kind::TokenKind::OpenParen;
 use crate::limits::Limits;
 use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::messages::note::NoteKind;
 use crate::span::Span;
 use crate::tree::ast::{
     Chain, ChainSign, CurveForm, CurveStatement, Expr, ExprKind, Function, Name, NamedValue,
@@ -12,8 +13,15 @@ use crate::tree::ast::{
 use crate::tree::builder::{Builder, chain_of, product_of};
 use crate::tree::built_statement::BuiltStatement;
 use crate::tree::grammar::{Pair, Rule, parts};
+use crate::tree::scope::NameMeaning::{Product, Unknown};
 use crate::tree::scope::Scope;
 use crate::tree::statement::ParsedStatement;
+
+/// Half the length to which an infinite range of a parameter is cut.
+const CUT: u8 = 5;
+/// Spellings of infinity.
+const INFINITIES: [&str; 9] =
+    ["∞", "inf", "Inf", "INF", "infinity", "Infinity", "oo", r"\infty", "INFINITY"];
 
 /// Builds the trees of a curve, a point or a parametric surface.
 ///
@@ -57,7 +65,7 @@ pub fn curve(
             Rule::point => at = inner.point(part)?,
             Rule::expression if rule == Rule::path_line => at = vec![inner.value(part)?],
             Rule::expression => equations.push(equation(&mut builder, part, lexed.tokens.get(1))?),
-            Rule::bounds => ranges.push(builder.bounds(part)?),
+            Rule::bounds => ranges.push(builder.range(part, &local[ranges.len()])?),
             Rule::restriction => restrictions.extend(builder.restrictions(part)?),
             Rule::label => label = Some(builder.typed(&part).trim_matches('"').to_owned()),
             _ => {}
@@ -135,6 +143,51 @@ impl Builder<'_> {
         let end = |digit| Expr::of_digits(digit, span);
         let range = Box::new((end("0"), end("1")));
         Ok(CurveForm::Path { at: vec![at], parameter, range })
+    }
+
+    /// Reads the range of a parameter. An infinite range is cut, with a note.
+    fn range(&mut self, pair: Pair<'_>, name: &Name) -> Fallible<(Expr, Expr)> {
+        let span = self.span(&pair);
+        let mut ends = pair.into_inner();
+        let mut end = || ends.next().expect("bounds hold two expressions");
+        let (low, high) = (end(), end());
+        // `u in R` has one word for both ends.
+        let is_all = self.span(&low) == self.span(&high);
+        let from = is_all || self.is_infinite(&low, "-");
+        let to = is_all || self.is_infinite(&high, "+");
+        if from || to {
+            self.note(span, NoteKind::CutRange { name: name.text.clone(), length: 2 * CUT });
+        }
+        let number = |size: u8| Expr::of_digits(size.to_string(), span);
+        if from && to {
+            let low = Expr::new(ExprKind::Negate(Box::new(number(CUT))), span);
+            return Ok((low, number(CUT)));
+        }
+        let beside = |end: &Expr, sign| match &end.kind {
+            ExprKind::Number(digits) if digits == "0" && sign == ChainSign::Direct => {
+                Ok(number(2 * CUT))
+            }
+            _ => {
+                let parts = vec![(ChainSign::Direct, end.clone()), (sign, number(2 * CUT))];
+                chain_of(Chain::Sum, parts)
+            }
+        };
+        if from {
+            let high = self.value(high)?;
+            return Ok((beside(&high, ChainSign::Inverse)?, high));
+        }
+        let low = self.value(low)?;
+        let high = if to { beside(&low, ChainSign::Direct)? } else { self.value(high)? };
+        Ok((low, high))
+    }
+
+    /// Returns whether the end of a range is infinity with this sign. A plus may be left out.
+    fn is_infinite(&self, end: &Pair<'_>, sign: &str) -> bool {
+        let typed = self.typed(end).replace('−', "-");
+        let word = typed.strip_prefix(sign).or((sign == "+").then_some(&*typed));
+        word.map(str::trim).is_some_and(|word| {
+            INFINITIES.contains(&word) && matches!(self.scope.meaning(word, &[]), Unknown | Product)
+        })
     }
 
     /// Reads the coordinates of a point, in brackets.

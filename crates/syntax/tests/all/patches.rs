@@ -2,6 +2,7 @@
 
 use crate::words::value_in;
 use zeroset_ir::{Constant, NodeId};
+use zeroset_parser::NoteKind;
 use zeroset_syntax::{Document, Options, read};
 
 fn document(text: &str) -> Document {
@@ -34,6 +35,9 @@ const TORUS: &[&str] = &[
     "f(a) = 2 + cos a; (f(v) cos u, f(v) sin u, sin v) for u in [0, 2pi], v in [0, 2pi]",
     "R = 2 in [1, 3]; ((R + cos v) cos u, (R + cos v) sin u, sin v) for u in [0, R pi], v in [0, R pi]",
     "ParametricPlot3D[{(2 + Cos[v]) Cos[u], (2 + Cos[v]) Sin[u], Sin[v]}, {u, 0, 2 Pi}, {v, 0, 2 Pi}]",
+    "ParametricPlot3D[(2 + Cos[v]) {Cos[u], Sin[u], 0} + {0, 0, Sin[v]}, {u, 0, 2 Pi}, {v, 0, 2 Pi}]",
+    "r[u_] := {Cos[u], Sin[u], 0}\nParametricPlot3D[(2 + Cos[v]) r[u] + {0, 0, Sin[v]}, {u, 0, 2 Pi}, {v, 0, 2 Pi}]",
+    "r(s) = (cos s, sin s, 0)\nr(u)*(2 + cos v) + (0, 0, sin v) for u in [0, 2pi], v in [0, 2pi]",
     "parametric_plot3d(((2+cos(v))*cos(u), (2+cos(v))*sin(u), sin(v)), (u, 0, 2*pi), (v, 0, 2*pi))",
     "plot3d_parametric_surface((2+cos(v))*cos(u), (2+cos(v))*sin(u), sin(v), (u, 0, 2*pi), (v, 0, 2*pi))",
     "Surface((2+cos(v)) cos(u), (2+cos(v)) sin(u), sin(v), u, 0, 2pi, v, 0, 2pi)",
@@ -155,4 +159,39 @@ fn a_function_of_three_js_is_refused_with_a_way_out() {
     let errors = read(text, &Options::default()).expect_err("is not read");
     let said = errors.render(None, text, false);
     assert!(said.contains("three.js") && said.contains("write the coordinates"), "{said}");
+}
+
+#[test]
+fn a_list_of_surfaces_draws_each() {
+    let text = "ParametricPlot3D[{{u, v, 0}, {u, v, u v}, {0, u, v}}, {u, 0, 1}, {v, 0, 2}]";
+    let document = document(text);
+    assert_eq!(document.patches.all.len(), 3);
+    assert_eq!(values(&document), [0.0, 0.75, 2.5, 0.0, 1.0, 0.0, 2.0]);
+}
+
+#[test]
+fn infinite_ranges_are_cut_with_a_note() {
+    for (range, ends) in [
+        ("v in [-inf, inf]", [-5.0, 5.0]),
+        ("v in (-∞, +∞)", [-5.0, 5.0]),
+        ("v in R", [-5.0, 5.0]),
+        ("v in ℝ", [-5.0, 5.0]),
+        ("v in [0, oo]", [0.0, 10.0]),
+        ("v = 7..Infinity", [7.0, 17.0]),
+        ("-inf < v < 2", [-8.0, 2.0]),
+    ] {
+        let document = document(&format!("(v cos u, v sin u, u) for u in [0, 1], {range}"));
+        assert_eq!(values(&document)[5..], ends, "{range}");
+        let notes: Vec<&NoteKind> = document.notes.iter().map(|note| &note.kind).collect();
+        let cut = NoteKind::CutRange { name: "v".to_owned(), length: 10 };
+        assert_eq!(notes, [&cut], "{range}");
+    }
+    // Names of the text are its own.
+    let named = document("R = 2 in [1, 3]; inf = 4\n(u, v, 0) for u in [0, inf], v in [0, R]");
+    assert_eq!(values(&named)[3..], [0.0, 4.0, 0.0, 2.0]);
+    assert!(named.notes.is_empty());
+    for range in ["v in [inf, 3]", "v in [inf, inf]", "v in [0, -inf]"] {
+        let text = format!("(u, v, 0) for u in [0, 1], {range}");
+        assert!(read(&text, &Options::default()).is_err(), "{range}");
+    }
 }
