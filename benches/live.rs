@@ -8,14 +8,14 @@
 //! picture is settled when these are refined, and that time is printed, too. A list shows the
 //! slowest keys.
 //!
-//! The second part prints each surface's median times to the first and to the full picture. In the
-//! third part a slider moves each surface. The output gives the pictures per second, and the factor
-//! by which they have fewer columns than the window. `-- gyroid` at the end of the command selects
-//! the surfaces whose names contain `gyroid`.
+//! The second part prints each surface's median times to the first and to the full picture, also of
+//! parametric surfaces. In the third part a slider moves each surface. The output gives the
+//! pictures per second, and the factor by which they have fewer columns than the window.
+//! `-- gyroid` at the end of the command selects the surfaces whose names contain `gyroid`.
 
 use std::time::{Duration, Instant};
 use zeroset_live::{DocumentSource, Live, Request};
-use zeroset_scene::gallery::{Example, examples};
+use zeroset_scene::gallery::{self, Example};
 use zeroset_syntax::{Options, read};
 
 const EDITS: usize = 200;
@@ -28,6 +28,8 @@ const DRAGS: i32 = 40;
 /// Least rate of a smooth drag, in pictures per second. Its pictures must also have at least half
 /// of the window's columns.
 const SMOOTH: f64 = 30.0;
+/// After this time without news, the picture before may be kept.
+const KEPT: Duration = Duration::from_secs(2);
 const LIMIT: Duration = Duration::from_mins(1);
 /// Names in the output, with targets for the 95th percentile.
 const FIRST: &str = "first picture (target 30 ms)";
@@ -84,9 +86,11 @@ fn replay(examples: &[Example], sample: &[Edit]) -> [Vec<f64>; 3] {
         let revision = live.revision();
         let pressed = Instant::now();
         live.type_line(&edit.lines[1]);
-        assert!(live.wait_for_news(LIMIT, revision), "nothing comes of {:?}", edit.lines[1]);
+        let has_news = live.wait_for_news(KEPT, revision);
         let taken = pressed.elapsed();
-        // A text without a surface, for example a constant, gets no picture.
+        assert!(has_news || live.wait(LIMIT), "{:?} does not settle", edit.lines[1]);
+        // A text without a surface, for example a constant, gets no picture. If there is proven to
+        // be nothing to see, the picture before is kept.
         match live.snapshot().rendering {
             Some(frame) if frame.revision > revision => {
                 coarse += usize::from(frame.coarse);
@@ -201,18 +205,13 @@ fn percentile(times: &mut [f64], share: f64) -> f64 {
     times[((times.len() as f64 * share) as usize).min(times.len() - 1)]
 }
 
-fn main() {
-    // Skips the flag `--bench`, which Cargo adds.
-    let filter = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
-    let mut examples = examples();
-    examples.retain(|example| filter.as_ref().is_none_or(|part| example.slug.contains(part)));
-    assert!(!examples.is_empty(), "no surface has a name like {filter:?}");
-
-    let mut sample = edits(&examples);
+/// Prints the times from a key to its pictures.
+fn keys(examples: &[Example]) {
+    let mut sample = edits(examples);
     println!("{} keys of {} formulas leave valid text; seed {SEED}", sample.len(), examples.len());
     fastrand::Rng::with_seed(SEED).shuffle(&mut sample);
     sample.truncate(EDITS);
-    let times = replay(&examples, &sample);
+    let times = replay(examples, &sample);
     for (name, mut times) in [FIRST, FULL, "settled picture"].into_iter().zip(times) {
         let [median, high, worst] = [0.5, 0.95, 1.0].map(|share| percentile(&mut times, share));
         println!(
@@ -220,10 +219,13 @@ fn main() {
         );
     }
     println!();
+}
 
-    println!("{:34}{:>10}{:>10}   ms, median of {ROUNDS}", "surface", "first", "full");
+/// Prints the times from each surface's text to its pictures.
+fn texts(examples: &[Example], kind: &str) {
+    println!("{kind:34}{:>10}{:>10}   ms, median of {ROUNDS}", "first", "full");
     let mut table = Vec::new();
-    for example in &examples {
+    for example in examples {
         let times = pictures(example);
         println!("{:34}{:10.1}{:10.1}", example.slug, times[0], times[1]);
         table.push(times);
@@ -234,11 +236,14 @@ fn main() {
     };
     let ([first, slowest_first], [full, slowest_full]) = (column(0), column(1));
     println!("{:34}{first:10.1}{full:10.1}", "median");
-    println!("{:34}{slowest_first:10.1}{slowest_full:10.1}", "worst");
+    println!("{:34}{slowest_first:10.1}{slowest_full:10.1}\n", "worst");
+}
 
-    println!("\n{:34}{:>10}{:>10}{:>10}", "dragging a slider", "pictures/s", "scale", "compiled");
+/// Prints the rates of pictures while a slider moves each surface.
+fn drags(examples: &[Example]) {
+    println!("{:34}{:>10}{:>10}{:>10}", "dragging a slider", "pictures/s", "scale", "compiled");
     let mut smooth = 0;
-    for example in &examples {
+    for example in examples {
         let Dragging { rate, scale, compiled } = drag(example);
         let is_smooth = rate >= SMOOTH && scale <= 2.0;
         smooth += usize::from(is_smooth);
@@ -249,4 +254,24 @@ fn main() {
         "{smooth} of {} follow at {SMOOTH} pictures a second, with at least half of the columns",
         examples.len()
     );
+}
+
+fn main() {
+    // Skips the flag `--bench`, which Cargo adds.
+    let filter = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
+    let [examples, parametric] = [gallery::examples(), gallery::parametric()].map(|mut all| {
+        all.retain(|example| filter.as_ref().is_none_or(|part| example.slug.contains(part)));
+        all
+    });
+    assert!(examples.len() + parametric.len() > 0, "no surface has a name like {filter:?}");
+    if !examples.is_empty() {
+        keys(&examples);
+        texts(&examples, "surface");
+    }
+    if !parametric.is_empty() {
+        texts(&parametric, "parametric surface");
+    }
+    if !examples.is_empty() {
+        drags(&examples);
+    }
 }
