@@ -21,6 +21,7 @@ mod normals;
 mod outlines;
 mod overlap;
 mod paints;
+mod pairs;
 mod parametric;
 mod parts;
 mod parts_support;
