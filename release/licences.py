@@ -1,12 +1,11 @@
 """Writes the licences of all crates that the program or the wheel is made of.
 
-python licences.py MANIFEST TARGET FILE [OPTION]...
+python licences.py MANIFEST TARGET FILE
 
-Options are those of cargo that say with which features it is compiled. Texts come from the crates'
-own files. A crate without one is listed with the name of its licence, which its manifest gives. The
-same text is written once, below the names of all crates that have it. Fails if a licence is not
-among those below, or if a crate is not the registry's. Crates of which two versions are used are
-listed, since their users choose them.
+Texts come from the crates' own files. A crate without one is listed with the name of its licence,
+which its manifest gives. The same text is written once, below the names of all crates that have it.
+Fails if a licence is not among those below, or if a crate is not the registry's. Crates of which
+two versions are used are listed, since their users choose them.
 """
 
 import collections
@@ -33,11 +32,10 @@ ALLOWED = {
 NAMES = ("licen", "copying", "notice", "unlicense")
 
 
-def main(manifest: str, target: str, file: str, *features: str) -> None:
+def main(manifest: str, target: str, file: str) -> None:
     where = ["--locked", "--manifest-path", manifest]
     metadata = json.loads(run("cargo", "metadata", "--format-version", "1", *where))
-    edges = ["--target", target, "--edges", "normal", "--prefix", "none"]
-    tree = run("cargo", "tree", *edges, *where, *features)
+    tree = run("cargo", "tree", "--target", target, "--edges", "normal", "--prefix", "none", *where)
     # Lines are "name vVERSION", and more where something is to say of the crate.
     used = {tuple(line.split()[:2]) for line in tree.splitlines()}
     # Crates without a source are those of this project.
