@@ -238,7 +238,7 @@ impl<'a> Painter<'a> {
         paint
     }
 
-    /// The parameters of a pixel's point; NaN if its surface has none.
+    /// The parameters of a pixel's point; NaN on an equation or a solid.
     fn parameters(&self, picture: &GBuffer, pixel: usize) -> [f64; 2] {
         let surface = usize::from(picture.surface[pixel]);
         let known = self.model.program.patch(surface).and(picture.parameters.get(pixel));
