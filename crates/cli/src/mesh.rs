@@ -17,7 +17,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use zeroset_export::{FORMATS, Format, Meshes, Object, Quality, Unit, meshes};
 use zeroset_live::Rendering;
-use zeroset_mesh::{Mesh, Unproven, least_for_single};
+use zeroset_mesh::{Crossings, Mesh, Unproven, least_for_single};
 use zeroset_render::limit::Limit;
 use zeroset_scene::blank::{Blank, ends};
 use zeroset_scene::coordinate::{coordinate, decimal};
@@ -276,6 +276,8 @@ fn report(found: &Meshes, subject: &Subject, write: Duration) -> Value {
             "cells": mesh.cells,
             "unproven": mesh.unproven.len(),
             "far": mesh.far,
+            "crossing": mesh.crossings.map(|found| found.crossing),
+            "touching": mesh.crossings.map(|found| found.touching + found.flat),
         })
     };
     let (low, high) = (region.low(), region.high());
@@ -346,20 +348,43 @@ fn describe(name: &str, mesh: &Mesh, tolerance: f64) -> String {
              distance is not proven to be within {tolerance:.2e}",
             mesh.cells
         ),
-        ([first, ..], _) => {
-            // One digit more than the tolerance shows.
-            let digits = (1.0 - tolerance.log10()).ceil().clamp(0.0, 18.0) as usize;
-            let unit = 10.0_f64.powi(digits as i32);
-            // Adding 0 takes the sign from -0.
-            let along = |along: f64| format!("{:.digits$}", (along * unit).round() / unit + 0.0);
-            let place = first.centre.to_array().map(along).join(", ");
-            format!(
-                "the shape is not proven in {} of {} cells, one of them at ({place}): samples \
-                 decide there",
-                mesh.unproven.len(),
-                mesh.cells
-            )
-        }
+        ([first, ..], _) => format!(
+            "the shape is not proven in {} of {} cells, one of them at {}: samples decide there",
+            mesh.unproven.len(),
+            mesh.cells,
+            point(first.centre, tolerance)
+        ),
     };
-    format!("{of}{} triangles, {closed}; {shape}", mesh.triangles.len())
+    let crossings = mesh.crossings.map(|found| format!("; {}", meetings(&found, tolerance)));
+    let crossings = crossings.unwrap_or_default();
+    format!("{of}{} triangles, {closed}; {shape}{crossings}", mesh.triangles.len())
+}
+
+/// Says whether triangles cross or touch.
+fn meetings(found: &Crossings, tolerance: f64) -> String {
+    let &Crossings { crossing, touching, flat, place } = found;
+    if found.is_none() {
+        return "no two triangles cross or touch: proven".to_owned();
+    }
+    let place = place.map(|at| format!(", one of them at {}", point(at, tolerance)));
+    let what = match (crossing, touching) {
+        (0, 0) => None,
+        (0, _) => Some("it touches itself, or crosses itself along edges"),
+        _ => Some("it crosses itself"),
+    };
+    let pairs = crossing + touching;
+    let pairs = what.map(|what| {
+        format!("{what}: {pairs} pairs of triangles meet{}", place.unwrap_or_default())
+    });
+    let areas = (flat > 0).then(|| format!("{flat} triangles are not proven to have an area"));
+    pairs.into_iter().chain(areas).collect::<Vec<_>>().join("; ")
+}
+
+/// The coordinates of a point, with one digit more than a tolerance shows.
+fn point(at: DVec3, tolerance: f64) -> String {
+    let digits = (1.0 - tolerance.log10()).ceil().clamp(0.0, 18.0) as usize;
+    let unit = 10.0_f64.powi(digits as i32);
+    // Adding 0 takes the sign from -0.
+    let along = |along: f64| format!("{:.digits$}", (along * unit).round() / unit + 0.0);
+    format!("({})", at.to_array().map(along).join(", "))
 }

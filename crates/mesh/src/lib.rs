@@ -5,6 +5,7 @@
 
 mod cells;
 mod connected;
+mod crossings;
 mod embedding;
 mod extract;
 mod fit;
@@ -27,6 +28,7 @@ mod wall;
 
 use cells::{PartKernels, Query};
 pub use connected::Connected;
+pub use crossings::Crossings;
 use flat::Flat;
 use glam::DVec3;
 use leaf::{Kind, Nearness};
@@ -89,6 +91,9 @@ pub struct Mesh {
     /// True if the surface is parametric. Then its shape is that of the rectangle of u and v, and
     /// [unproven](Self::unproven) are the places where it may have a gap.
     pub is_parametric: bool,
+    /// How the mesh of a parametric surface meets itself. `None` for that of an equation or solid,
+    /// which a proof of the shape covers.
+    pub crossings: Option<Crossings>,
     /// True if the triangles have no rim.
     pub is_closed: bool,
     /// True if all coordinates are `f32`.

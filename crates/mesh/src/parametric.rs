@@ -14,7 +14,7 @@
 mod sides;
 
 use crate::orientation::face_out;
-use crate::{Mesh, Unproven};
+use crate::{Crossings, Mesh, Unproven};
 use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -69,7 +69,8 @@ pub fn parametric_mesh(
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Option<Mesh> {
     let Some(size) = extent(tree) else {
-        return Some(Mesh { is_parametric: true, ..Mesh::default() });
+        let crossings = Some(Crossings::default());
+        return Some(Mesh { is_parametric: true, crossings, ..Mesh::default() });
     };
     // Rounding to `f32`, and gluing, move vertices.
     let moved = size * (1.0 / 4_194_304.0);
@@ -84,6 +85,7 @@ pub fn parametric_mesh(
         triangles.add_cell(cell);
     }
     let mut mesh = triangles.finish();
+    mesh.crossings = Some(Crossings::of(&mesh.vertices, &mesh.triangles));
     mesh.cells = used.len();
     mesh.is_single = is_single;
     let is_far = |cell: &&&Cell| cell.is_continuous && 2.0 * cell.error > allowed;
