@@ -33,7 +33,7 @@ use flat::Flat;
 use glam::DVec3;
 use leaf::{Kind, Nearness};
 use near::{Far, Loose};
-pub use parametric::parametric_mesh;
+pub use parametric::{ParametricOptions, parametric_mesh};
 use refine::{Limits, Refined, refine};
 pub use simplify::{Simplification, least_for_single, simplify};
 use space::Space;

@@ -1,17 +1,25 @@
 //! Meshes of parametric surfaces.
 
+use glam::DVec3;
 use std::collections::HashMap;
-use zeroset_mesh::{MOST_CELLS, Mesh, parametric_mesh};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use zeroset_mesh::{MOST_CELLS, Mesh, ParametricOptions, parametric_mesh};
 use zeroset_scene::program::Program;
 use zeroset_syntax::read;
+use zeroset_testkit::crossings;
 
 fn mesh_of(text: &str, tolerance: f64) -> Mesh {
+    mesh_with(text, tolerance, false)
+}
+
+fn mesh_with(text: &str, tolerance: f64, is_full: bool) -> Mesh {
     let document = read(text, &zeroset_syntax::Options::default()).expect(text);
     let whole = [zeroset_interval::Interval { lo: -1.0, hi: 1.0 }; 3];
     let program = Program::new(&document, whole).expect(text);
     let program = program.with_patches(&document).expect(text);
     let tree = program.patch(0).expect(text).tree().expect("a kernel");
-    parametric_mesh(tree, tolerance, MOST_CELLS, &|| true).expect("wanted")
+    let options = ParametricOptions { tolerance, is_full, most_cells: MOST_CELLS };
+    parametric_mesh(tree, &options, &|| true).expect("wanted")
 }
 
 /// Per edge, how many triangles run along it in either direction.
@@ -134,7 +142,125 @@ fn gaps_are_told() {
     let program = Program::new(&document, whole).expect("a sphere");
     let program = program.with_patches(&document).expect("a sphere");
     let tree = program.patch(0).expect("a sphere").tree().expect("a kernel");
-    let coarse = parametric_mesh(tree, 1e-6, 50, &|| true).expect("wanted");
+    let few = ParametricOptions { tolerance: 1e-6, is_full: false, most_cells: 50 };
+    let coarse = parametric_mesh(tree, &few, &|| true).expect("wanted");
     assert!(coarse.far > 0 && !coarse.is_proven() && coarse.is_closed);
-    assert!(parametric_mesh(tree, 1e-6, 50, &|| false).is_none());
+    assert!(parametric_mesh(tree, &few, &|| false).is_none());
+}
+
+/// The distance of a point from a triangle.
+fn distance(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+    let normal = (b - a).cross(c - a);
+    let is_inside = [[a, b], [b, c], [c, a]]
+        .iter()
+        .all(|[p, q]| (*q - *p).cross(point - *p).dot(normal) >= 0.0);
+    if is_inside && normal.length() > 0.0 {
+        return (point - a).dot(normal.normalize()).abs();
+    }
+    let to_edge = |[p, q]: [DVec3; 2]| {
+        let share = ((point - p).dot(q - p) / (q - p).length_squared()).clamp(0.0, 1.0);
+        (p + share * (q - p)).distance(point)
+    };
+    [[a, b], [b, c], [c, a]].map(to_edge).into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// A surface, as text and as a function, the ends of u and v, and the most triangles that it needs.
+type Known = (&'static str, fn(f64, f64) -> [f64; 3], [[f64; 2]; 2], usize);
+
+/// Divisions by bounds of whole cells had 2.5 to 4 times as many triangles.
+const KNOWN: [Known; 4] = [
+    (
+        "(cos u cos v, sin u cos v, sin v) for u in [0, 2pi], v in [-pi/2, pi/2]",
+        |u, v| [u.cos() * v.cos(), u.sin() * v.cos(), v.sin()],
+        [[0.0, TAU], [-FRAC_PI_2, FRAC_PI_2]],
+        1600,
+    ),
+    (
+        "((2 + cos v) cos u, (2 + cos v) sin u, sin v) for u in [0, 2pi], v in [0, 2pi]",
+        |u, v| [(2.0 + v.cos()) * u.cos(), (2.0 + v.cos()) * u.sin(), v.sin()],
+        [[0.0, TAU], [0.0, TAU]],
+        4000,
+    ),
+    (
+        "(u - u^3/3 + u v^2, v - v^3/3 + v u^2, u^2 - v^2) for u in [-2, 2.1], v in [-2, 2]",
+        |u, v| {
+            let [x, y] = [u - u.powi(3) / 3.0 + u * v * v, v - v.powi(3) / 3.0 + v * u * u];
+            [x, y, u * u - v * v]
+        },
+        [[-2.0, 2.1], [-2.0, 2.0]],
+        5200,
+    ),
+    (
+        "(v cos(u), v sin(u), u/4 + v^2) for u in [-pi, 2pi], v in [-0.2, 1]",
+        |u, v| [v * u.cos(), v * u.sin(), u / 4.0 + v * v],
+        [[-PI, TAU], [-0.2, 1.0]],
+        1700,
+    ),
+];
+
+#[test]
+fn each_point_of_the_surface_is_near_few_triangles() {
+    const TOLERANCE: f64 = 0.01;
+    for (text, surface, [us, vs], most) in KNOWN {
+        let mesh = mesh_of(text, TOLERANCE);
+        let count = mesh.triangles.len();
+        assert!(mesh.is_proven(), "{text}");
+        let at = |number: u32| mesh.vertices[number as usize];
+        let triangles: Vec<[DVec3; 3]> = mesh.triangles.iter().map(|one| one.map(at)).collect();
+        let mut random = fastrand::Rng::with_seed(68);
+        let mut farthest = 0.0_f64;
+        for _ in 0..1500 {
+            let [u, v] = [us, vs].map(|[low, high]| low + (high - low) * random.f64());
+            let point = DVec3::from_array(surface(u, v));
+            let nearest = triangles.iter().map(|one| distance(point, *one));
+            farthest = farthest.max(nearest.fold(f64::INFINITY, f64::min));
+        }
+        println!("{text}: {count} triangles, {farthest}");
+        assert!(farthest <= TOLERANCE, "{text}: {farthest}");
+        assert!(farthest > 0.2 * TOLERANCE, "{text}: {farthest}, with too many triangles");
+        assert!(count <= most, "{text}: {count} triangles");
+    }
+}
+
+#[test]
+fn colors_of_vertices_have_more_triangles() {
+    let [few, many] = [false, true].map(|is_full| mesh_with(KNOWN[0].0, 0.01, is_full));
+    assert!(3 * few.triangles.len() < 2 * many.triangles.len() && many.is_proven());
+}
+
+#[test]
+fn crossings_are_those_of_exact_predicates() {
+    for (text, expected) in [
+        (KNOWN[0].0, "none"),
+        (KNOWN[1].0, "none"),
+        (KNOWN[2].0, "crossing"),
+        (KNOWN[3].0, "none"),
+        (CLOSED[2].0, "crossing"),
+        (CLOSED[3].0, "crossing"),
+        // The sheets cross where both have edges.
+        (
+            "(u - u^3/3 + u v^2, v - v^3/3 + v u^2, u^2 - v^2) for u in [-2, 2], v in [-2, 2]",
+            "touching",
+        ),
+        // The cone through its tip, which is a line in the rectangle, and the sphere twice.
+        ("(v cos u, v sin u, v) for u in [0, 2pi], v in [-1, 1]", "touching"),
+        (CLOSED[6].0, "touching"),
+    ] {
+        let mesh = mesh_of(text, 0.02);
+        let found = mesh.crossings.expect("a parametric surface");
+        let vertices: Vec<[f64; 3]> = mesh.vertices.iter().map(|at| at.to_array()).collect();
+        let exact = crossings(&vertices, &mesh.triangles);
+        println!("{text}: {found:?}, {} pairs meet, {} flat", exact.pairs.len(), exact.flat.len());
+        assert!(found.crossing <= exact.pairs.len(), "{text}");
+        assert!(found.crossing + found.touching >= exact.pairs.len(), "{text}");
+        assert!(found.flat >= exact.flat.len(), "{text}");
+        let said = match (found.crossing, found.touching, found.flat) {
+            (0, 0, 0) => "none",
+            (0, ..) => "touching",
+            _ => "crossing",
+        };
+        assert_eq!(said, expected, "{text}");
+        assert_eq!(found.is_none(), expected == "none", "{text}");
+        assert_eq!(found.place.is_some(), expected != "none", "{text}");
+    }
 }
