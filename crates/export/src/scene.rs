@@ -1,7 +1,6 @@
 //! The meshes of a document's visible surfaces.
 
 use crate::color::{Color, map_colors};
-use glam::DVec3;
 use std::time::{Duration, Instant};
 use zeroset_mesh::{
     MOST_CELLS, Mesh, Options, ParametricOptions, Simplification, TOLERANCE, larger, mesh,
@@ -12,10 +11,6 @@ use zeroset_scene::program::{Program, ProgramError};
 use zeroset_scene::view::{self, Clipping, DomainChoice, SceneError};
 use zeroset_space::Region;
 use zeroset_syntax::{Document, SurfaceColor};
-
-/// A note on parametric surfaces that reach out of the domain.
-const WHOLE: &str = "a parametric surface reaches out of the domain: it is cut in pictures, but its mesh is that \
-     of the whole rectangle";
 
 /// The mesh of one surface.
 #[derive(Clone, Debug)]
@@ -93,7 +88,7 @@ pub fn meshes(
         if let Some(patch) = program.patch(number) {
             is_undefined = false;
             let tree = patch.tree().map_err(ProgramError::from)?;
-            let options = ParametricOptions { tolerance, is_full, most_cells: MOST_CELLS };
+            let options = ParametricOptions { region, tolerance, is_full, most_cells: MOST_CELLS };
             let Some(mesh) = parametric_mesh(tree, &options, wanted) else { return Ok(None) };
             objects.push(Object { name, mesh, color });
             continue;
@@ -123,14 +118,7 @@ pub fn meshes(
     }
     map_colors(document, &surfaces, &mut objects);
     let mesh = clock.elapsed();
-    let mut remarks = program.remarks(document);
-    let is_beyond = |object: &Object| {
-        let is_outside = |at: &DVec3| !region.is_near(*at, tolerance);
-        object.mesh.is_parametric && object.mesh.vertices.iter().any(is_outside)
-    };
-    if objects.iter().any(is_beyond) {
-        remarks.push(WHOLE.to_owned());
-    }
+    let remarks = program.remarks(document);
     Ok(Some(Meshes {
         objects,
         region,

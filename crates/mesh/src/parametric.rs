@@ -10,6 +10,7 @@
 //! other. A side that is one point becomes one vertex. Sides are compared at a hundred points, up
 //! to rounding, which proves nothing between them.
 
+mod cut;
 mod division;
 mod fine;
 mod sides;
@@ -17,13 +18,14 @@ mod triangulation;
 
 use crate::orientation::face_out;
 use crate::{Crossings, Mesh, Unproven};
+use cut::Cut;
 use division::{Wanted, divided};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 use sides::Sides;
 use triangulation::{Face, Triangulation};
 use zeroset_eval::Patches;
-use zeroset_space::{PatchCell, PatchTree};
+use zeroset_space::{PatchCell, PatchTree, Region};
 
 /// Number of parts of the rectangle along u and along v, as coordinates of vertices count them. It
 /// is a multiple of all numbers of cells with which a division begins. Some tubes close after a
@@ -51,11 +53,17 @@ struct Cell {
     is_continuous: bool,
     /// True if the surface is proven to have no point there.
     is_nowhere: bool,
+    /// True if the surface over the cell is outside of the domain.
+    is_outside: bool,
+    /// True if the cell is too large to be cut by the domain's ball.
+    is_coarse: bool,
 }
 
 /// The options for the mesh of a parametric surface.
 #[derive(Clone, Copy, Debug)]
 pub struct ParametricOptions {
+    /// The domain, which cuts the mesh.
+    pub region: Region,
     /// Largest allowed distance between mesh and surface at the same u and v, in world units.
     pub tolerance: f64,
     /// True if triangles must be small enough for colors of vertices.
@@ -68,15 +76,16 @@ pub struct ParametricOptions {
 ///
 /// At the same u and v, mesh and surface are within the tolerance of each other, except in cells
 /// that are [far](Mesh::far). In [unproven](Mesh::unproven) cells the surface may have a gap. The
-/// mesh is that of the whole rectangle. Triangles are counterclockwise around the cross product of
-/// the derivatives with respect to u and v, or from outside if the mesh is closed and has two
-/// sides.
+/// mesh is cut at the boundary of the domain: a piece of the surface that is within the tolerance
+/// of it may have no triangle. Triangles are counterclockwise around the cross product of the
+/// derivatives with respect to u and v, or from outside if the mesh of the whole rectangle is
+/// closed and has two sides.
 pub fn parametric_mesh(
     tree: &PatchTree,
     options: &ParametricOptions,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Option<Mesh> {
-    let &ParametricOptions { tolerance, is_full, most_cells } = options;
+    let &ParametricOptions { region, tolerance, is_full, most_cells } = options;
     let Some(size) = extent(tree) else {
         let crossings = Some(Crossings::default());
         return Some(Mesh { is_parametric: true, crossings, ..Mesh::default() });
@@ -85,7 +94,9 @@ pub fn parametric_mesh(
     let moved = size * (1.0 / 4_194_304.0);
     let is_single = 16.0 * moved <= tolerance;
     let distance = tolerance - if is_single { moved } else { 0.0 } - Sides::moved(size);
-    let wanted = Wanted { distance, is_linear: is_full, most_cells, goes_on: wanted };
+    let slack = if is_single { moved } else { Sides::moved(size) };
+    let cut = Cut::new(&region, slack, tolerance);
+    let wanted = Wanted { distance, is_linear: is_full, most_cells, cut: &cut, goes_on: wanted };
     let mut cells = divided(tree, &wanted)?;
     cells.retain(|cell| !cell.is_nowhere);
     let mut triangles = Triangulation::new(tree, Sides::find(tree, size), is_single);
@@ -93,30 +104,38 @@ pub fn parametric_mesh(
     let is_used =
         |face: &&Face| face.cell.is_continuous || triangles.longest_edge(face) <= GAP * tolerance;
     let used = faces.iter().filter(is_used).flat_map(|face| face.triangles.iter().copied());
-    let mut mesh = finished(&triangles.points, used.collect());
+    let mut mesh = finished(triangles.points.clone(), used.collect(), &cut, is_single);
     mesh.crossings = Some(Crossings::of(&mesh.vertices, &mesh.triangles));
-    mesh.cells = faces.len();
     mesh.is_single = is_single;
-    mesh.far = faces.iter().filter(|face| face.cell.is_continuous && !face.is_near).count();
-    let gaps = faces.iter().filter(|face| !face.cell.is_continuous);
+    let inside = || faces.iter().filter(|face| !face.cell.is_outside);
+    mesh.cells = inside().count();
+    mesh.far = inside().filter(|face| face.cell.is_continuous && !face.is_near).count();
+    let gaps = inside().filter(|face| !face.cell.is_continuous);
     mesh.unproven = gaps.map(|face| place(tree, &face.cell)).collect();
     Some(mesh)
 }
 
-/// The mesh of some triangles.
-fn finished(points: &[DVec3], mut triangles: Vec<[u32; 3]>) -> Mesh {
+/// The mesh of some triangles, cut. Whether it is turned is decided before.
+fn finished(
+    mut vertices: Vec<DVec3>,
+    mut triangles: Vec<[u32; 3]>,
+    cut: &Cut,
+    is_single: bool,
+) -> Mesh {
     let is_proper = |[a, b, c]: &[u32; 3]| {
-        let is_finite = |vertex: u32| points[vertex as usize].is_finite();
+        let is_finite = |vertex: u32| vertices[vertex as usize].is_finite();
         a != b && b != c && c != a && [*a, *b, *c].into_iter().all(is_finite)
     };
     triangles.retain(is_proper);
-    let Edges { is_closed, has_sides } = Edges::of(&triangles);
-    let vertices = points.to_vec();
+    let Edges { mut is_closed, has_sides } = Edges::of(&triangles);
+    if is_closed && has_sides {
+        face_out(&vertices, &mut triangles, &[]);
+    }
+    if cut.apply(&mut vertices, &mut triangles, is_single) {
+        is_closed = Edges::of(&triangles).is_closed;
+    }
     let mut mesh = Mesh { vertices, triangles, is_parametric: true, is_closed, ..Mesh::default() };
     drop_unused(&mut mesh);
-    if is_closed && has_sides {
-        face_out(&mesh.vertices, &mut mesh.triangles, &[]);
-    }
     mesh
 }
 
@@ -153,15 +172,18 @@ fn parameters(tree: &PatchTree, ranges: &Ranges) -> PatchCell {
 }
 
 impl Cell {
-    fn new(ranges: Ranges, found: &Patches<f64>, lane: usize) -> Self {
+    fn new(ranges: Ranges, found: &Patches<f64>, lane: usize, cut: &Cut) -> Self {
         let [x, y, z] = [0, 1, 2].map(|axis| found.error[axis][lane]);
         let length = DVec3::new(x, y, z).length();
         let is_continuous = found.continuous >> lane & 1 == 1;
+        let bounds = [0, 1, 2].map(|axis| found.coordinate(axis, lane));
         Self {
             ranges,
             error: if is_continuous && length.is_finite() { length } else { f64::INFINITY },
             is_continuous,
             is_nowhere: found.nowhere >> lane & 1 == 1,
+            is_outside: cut.is_outside(&bounds),
+            is_coarse: cut.is_coarse(&bounds),
         }
     }
 

@@ -1,5 +1,6 @@
 //! The division of the rectangle into cells that two triangles fit.
 
+use super::cut::Cut;
 use super::fine::{Corner, Fine};
 use super::{Cell, PARTS, Ranges, parameter};
 use glam::DVec3;
@@ -30,14 +31,16 @@ pub(super) struct Wanted<'a> {
     pub is_linear: bool,
     /// Largest number of cells that are divided.
     pub most_cells: usize,
+    /// The boundary of the domain. Cells outside are not divided.
+    pub cut: &'a Cut,
     /// Whether to go on.
     pub goes_on: &'a (dyn Fn() -> bool + Sync),
 }
 
 /// Divides the rectangle. `None` once the work is to end.
 pub(super) fn divided(tree: &PatchTree, wanted: &Wanted) -> Option<Vec<Cell>> {
-    let [u, v] = first(tree, wanted.distance);
-    let mut open = evaluated(tree, &grid(u, v));
+    let [u, v] = first(tree, wanted);
+    let mut open = evaluated(tree, &grid(u, v), wanted.cut);
     let mut done = Vec::new();
     while !open.is_empty() {
         if !(wanted.goes_on)() {
@@ -45,7 +48,8 @@ pub(super) fn divided(tree: &PatchTree, wanted: &Wanted) -> Option<Vec<Cell>> {
         }
         let is_full = done.len() + open.len() > wanted.most_cells;
         let axes = |cell: &Cell| {
-            let is_done = is_full || cell.is_nowhere || 2.0 * cell.error <= wanted.distance;
+            let is_linear = !cell.is_coarse && 2.0 * cell.error <= wanted.distance;
+            let is_done = is_full || cell.is_nowhere || cell.is_outside || is_linear;
             if is_done { [false; 2] } else { axes_to_divide(tree, cell, wanted) }
         };
         let axes: Vec<[bool; 2]> = open.par_iter().map(axes).collect();
@@ -56,7 +60,7 @@ pub(super) fn divided(tree: &PatchTree, wanted: &Wanted) -> Option<Vec<Cell>> {
                 axes => next.extend(parts(&cell.ranges, axes)),
             }
         }
-        open = evaluated(tree, &next);
+        open = evaluated(tree, &next, wanted.cut);
     }
     Some(done)
 }
@@ -69,15 +73,16 @@ fn grid(u: u32, v: u32) -> Vec<Ranges> {
 
 /// The numbers of cells along u and v to begin with: those that lead to the fewest cells, as far as
 /// estimates tell.
-fn first(tree: &PatchTree, distance: f64) -> [u32; 2] {
-    let cells = grid(SAMPLES, SAMPLES);
-    let bends = cells.par_iter().map(|ranges| {
-        let fine = Fine::new(tree, ranges);
+fn first(tree: &PatchTree, wanted: &Wanted) -> [u32; 2] {
+    let mut cells = evaluated(tree, &grid(SAMPLES, SAMPLES), wanted.cut);
+    cells.retain(|cell| !cell.is_outside);
+    let bends = cells.par_iter().map(|cell| {
+        let fine = Fine::new(tree, &cell.ranges);
         (fine.quadric(), fine.error())
     });
     let bends: Vec<([DVec3; 3], f64)> = bends.filter(|(_, error)| error.is_finite()).collect();
     let count = |first: [u32; 2]| -> f64 {
-        bends.iter().map(|(terms, error)| cells_in(terms, *error, first, distance)).sum()
+        bends.iter().map(|(terms, error)| cells_in(terms, *error, first, wanted.distance)).sum()
     };
     let all = FIRST.iter().flat_map(|u| FIRST.map(|v| [*u, v])).map(|first| (count(first), first));
     all.min_by(|(one, _), (other, _)| one.total_cmp(other))
@@ -104,11 +109,11 @@ fn cells_in([uu, uv, vv]: &[DVec3; 3], error: f64, first: [u32; 2], distance: f6
 }
 
 /// Evaluates the surface over cells.
-pub(super) fn evaluated(tree: &PatchTree, ranges: &[Ranges]) -> Vec<Cell> {
+pub(super) fn evaluated(tree: &PatchTree, ranges: &[Ranges], cut: &Cut) -> Vec<Cell> {
     let some = |ranges: &[Ranges]| {
         let cells: Vec<PatchCell> = ranges.iter().map(|one| super::parameters(tree, one)).collect();
         let found = tree.over(&cells);
-        let cell = |(lane, ranges): (usize, &Ranges)| Cell::new(*ranges, &found, lane);
+        let cell = |(lane, ranges): (usize, &Ranges)| Cell::new(*ranges, &found, lane, cut);
         ranges.iter().enumerate().map(cell).collect::<Vec<_>>()
     };
     ranges.par_chunks(LANES).flat_map_iter(some).collect()
@@ -133,10 +138,13 @@ fn axes_to_divide(tree: &PatchTree, cell: &Cell, wanted: &Wanted) -> [bool; 2] {
         return divisible;
     }
     let fine = Fine::new(tree, &cell.ranges);
-    if !wanted.is_linear && fits(tree, cell, &fine, wanted.distance) {
-        return [false; 2];
+    let is_linear = 2.0 * cell.error <= wanted.distance;
+    if is_linear || !wanted.is_linear && fits(tree, cell, &fine, wanted.distance) {
+        let [length, width] = fine.sides();
+        let is_u = divisible[0] && (length >= width || !divisible[1]);
+        return if cell.is_coarse { [is_u, !is_u] } else { [false; 2] };
     }
-    axes(tree, cell, &fine)
+    axes(tree, cell, &fine, wanted.cut)
 }
 
 /// Returns whether two triangles between approximate corners of a cell are near the surface.
@@ -154,7 +162,7 @@ fn fits(tree: &PatchTree, cell: &Cell, fine: &Fine, distance: f64) -> bool {
 }
 
 /// The axes along which dividing a cell helps most, of those along which it can be divided.
-pub(super) fn axes(tree: &PatchTree, cell: &Cell, fine: &Fine) -> [bool; 2] {
+pub(super) fn axes(tree: &PatchTree, cell: &Cell, fine: &Fine, cut: &Cut) -> [bool; 2] {
     let divisible = [cell.is_divisible(0), cell.is_divisible(1)];
     if divisible != [true; 2] {
         return divisible;
@@ -170,7 +178,7 @@ pub(super) fn axes(tree: &PatchTree, cell: &Cell, fine: &Fine) -> [bool; 2] {
         .into_iter()
         .flat_map(|axes| parts(&cell.ranges, axes))
         .collect();
-    let halves = evaluated(tree, &halves);
+    let halves = evaluated(tree, &halves, cut);
     let [u, v] = [0, 2].map(|k| halves[k].error.max(halves[k + 1].error));
     if CLEARLY_LESS * u < v {
         [true, false]

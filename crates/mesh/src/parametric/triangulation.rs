@@ -106,11 +106,13 @@ impl<'a> Triangulation<'a> {
         if is_small {
             self.triangulate(face, wanted.distance);
         }
-        if is_small && (face.is_near || !cell.is_continuous) || !is_divisible {
+        let is_done = face.is_near || !cell.is_continuous || cell.is_outside;
+        if is_small && is_done || !is_divisible {
             return Vec::new();
         }
         let fine = Fine::new(self.tree, &cell.ranges);
-        evaluated(self.tree, &parts(&cell.ranges, axes(self.tree, &cell, &fine)))
+        let axes = axes(self.tree, &cell, &fine, wanted.cut);
+        evaluated(self.tree, &parts(&cell.ranges, axes), wanted.cut)
     }
 
     /// Adds the corners of cells, which are vertices.
@@ -188,7 +190,8 @@ impl<'a> Triangulation<'a> {
         let length = |one: usize, other: usize| {
             self.point(&polygon[one]).distance_squared(self.point(&polygon[other]))
         };
-        let fine = (face.cell.is_continuous && 2.0 * face.cell.error > distance)
+        let is_asked = face.cell.is_continuous && !face.cell.is_outside;
+        let fine = (is_asked && 2.0 * face.cell.error > distance)
             .then(|| Fine::new(self.tree, &face.cell.ranges));
         let corner = |k: usize| {
             let Vertex { place, .. } = polygon[k];

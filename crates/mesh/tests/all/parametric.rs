@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use zeroset_mesh::{MOST_CELLS, Mesh, ParametricOptions, parametric_mesh};
 use zeroset_scene::program::Program;
+use zeroset_space::{HalfSpace, Region};
 use zeroset_syntax::read;
 use zeroset_testkit::crossings;
 
@@ -13,12 +14,21 @@ fn mesh_of(text: &str, tolerance: f64) -> Mesh {
 }
 
 fn mesh_with(text: &str, tolerance: f64, is_full: bool) -> Mesh {
+    mesh_in(text, region(100.0), tolerance, is_full)
+}
+
+/// A cube around 0.
+fn region(half: f64) -> Region {
+    Region::new(DVec3::splat(-half), DVec3::splat(half)).expect("a region")
+}
+
+fn mesh_in(text: &str, region: Region, tolerance: f64, is_full: bool) -> Mesh {
     let document = read(text, &zeroset_syntax::Options::default()).expect(text);
     let whole = [zeroset_interval::Interval { lo: -1.0, hi: 1.0 }; 3];
     let program = Program::new(&document, whole).expect(text);
     let program = program.with_patches(&document).expect(text);
     let tree = program.patch(0).expect(text).tree().expect("a kernel");
-    let options = ParametricOptions { tolerance, is_full, most_cells: MOST_CELLS };
+    let options = ParametricOptions { region, tolerance, is_full, most_cells: MOST_CELLS };
     parametric_mesh(tree, &options, &|| true).expect("wanted")
 }
 
@@ -142,7 +152,8 @@ fn gaps_are_told() {
     let program = Program::new(&document, whole).expect("a sphere");
     let program = program.with_patches(&document).expect("a sphere");
     let tree = program.patch(0).expect("a sphere").tree().expect("a kernel");
-    let few = ParametricOptions { tolerance: 1e-6, is_full: false, most_cells: 50 };
+    let region = region(2.0);
+    let few = ParametricOptions { region, tolerance: 1e-6, is_full: false, most_cells: 50 };
     let coarse = parametric_mesh(tree, &few, &|| true).expect("wanted");
     assert!(coarse.far > 0 && !coarse.is_proven() && coarse.is_closed);
     assert!(parametric_mesh(tree, &few, &|| false).is_none());
@@ -263,4 +274,79 @@ fn crossings_are_those_of_exact_predicates() {
         assert_eq!(found.is_none(), expected == "none", "{text}");
         assert_eq!(found.place.is_some(), expected != "none", "{text}");
     }
+}
+
+/// The vertices on edges of one triangle.
+fn rim(mesh: &Mesh) -> Vec<DVec3> {
+    let edges = edges(mesh);
+    let open = edges.iter().filter(|(_, [one, other])| one + other == 1);
+    open.flat_map(|(ends, _)| ends.map(|end| mesh.vertices[end as usize])).collect()
+}
+
+#[test]
+fn the_domain_cuts_a_mesh() {
+    const TOLERANCE: f64 = 0.01;
+    let half_space = |normal: DVec3, offset| {
+        let clip = HalfSpace { normal, offset };
+        region(3.0).with_clip(clip).expect("a plane")
+    };
+    let oblique = DVec3::new(1.0, 2.0, -2.0);
+    let [sphere, torus, ..] = KNOWN;
+    for (known, region, expected) in [
+        // Six holes, and one.
+        (sphere, region(0.8), -4),
+        (sphere, half_space(oblique, 1.5), 1),
+        (sphere, Region::new(DVec3::new(-3.0, -3.0, 0.5), DVec3::splat(3.0)).expect("a box"), 1),
+        // Half a torus.
+        (torus, half_space(DVec3::NEG_X, 0.0), 0),
+        (torus, region(2.0).with_ball(), 0),
+    ] {
+        let (text, surface, [us, vs], _) = known;
+        let mesh = mesh_in(text, region, TOLERANCE, false);
+        assert!(mesh.is_proven() && !mesh.is_closed, "{text}, {region:?}");
+        assert_eq!(euler(&mesh), expected, "{text}, {region:?}");
+        assert!(edges(&mesh).values().all(|[one, other]| *one <= 1 && *other <= 1), "{text}");
+        assert!(mesh.crossings.expect("a parametric surface").is_none(), "{text}");
+        assert!(mesh.vertices.iter().all(|at| region.is_near(*at, 1e-6)), "{text}, {region:?}");
+        // The rim is on the boundary.
+        let rim = rim(&mesh);
+        assert!(rim.len() > 20 && rim.iter().all(|at| !region.is_near(*at, -1e-6)), "{region:?}");
+        let at = |number: u32| mesh.vertices[number as usize];
+        let triangles: Vec<[DVec3; 3]> = mesh.triangles.iter().map(|one| one.map(at)).collect();
+        let middles = rim.chunks(2).map(|ends| ends[0].midpoint(ends[1]));
+        assert!(middles.into_iter().all(|at| !region.is_near(at, -TOLERANCE)), "{region:?}");
+        let mut random = fastrand::Rng::with_seed(68);
+        let mut inside = 0;
+        for _ in 0..1500 {
+            let [u, v] = [us, vs].map(|[low, high]| low + (high - low) * random.f64());
+            let point = DVec3::from_array(surface(u, v));
+            let nearest = triangles.iter().map(|one| distance(point, *one));
+            let nearest = nearest.fold(f64::INFINITY, f64::min);
+            if region.is_near(point, -TOLERANCE) {
+                inside += 1;
+                assert!(nearest <= TOLERANCE, "{text}, {region:?}: {point} is {nearest} away");
+            } else if !region.is_near(point, TOLERANCE) {
+                // Nothing is left outside.
+                assert!(nearest > 0.9 * TOLERANCE, "{text}, {region:?}: {point}, {nearest}");
+            }
+        }
+        assert!(inside > 100, "{text}, {region:?}: {inside} points inside");
+    }
+}
+
+#[test]
+fn a_domain_that_touches_or_misses_the_surface_cuts_nothing() {
+    let text = KNOWN[0].0;
+    for tolerance in [0.1, 0.003, 1e-4] {
+        let mesh = mesh_in(text, region(1.0), tolerance, true);
+        assert!(mesh.is_proven() && mesh.is_closed && euler(&mesh) == 2, "{tolerance}");
+    }
+    let beside = Region::new(DVec3::splat(0.7), DVec3::splat(2.0)).expect("a box");
+    let mesh = mesh_in(text, beside, 0.001, false);
+    assert!(mesh.triangles.is_empty() && mesh.is_proven() && !mesh.is_closed);
+    // Cells outside stay large.
+    let low = DVec3::new(0.6, -0.01, 0.79);
+    let small = Region::new(low, low + DVec3::new(0.02, 0.02, 0.02)).expect("a box");
+    let mesh = mesh_in(text, small, 1e-6, false);
+    assert!(mesh.is_proven() && (20..2000).contains(&mesh.cells), "{} cells", mesh.cells);
 }
