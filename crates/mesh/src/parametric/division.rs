@@ -89,9 +89,9 @@ fn first(tree: &PatchTree, wanted: &Wanted) -> [u32; 2] {
         .map_or([FIRST[0]; 2], |(_, first)| first)
 }
 
-/// An estimate of the number of cells in one of [`SAMPLES`]² cells, in which the surface is a
-/// polynomial of the second degree with these terms, and its parts have this error. The whole rectangle has `first` cells along u
-/// and v to begin with.
+/// An estimate of the number of cells in one of [`SAMPLES`]² cells. There the surface has these
+/// terms of the second degree, and its parts have this error. The whole rectangle begins with
+/// `first` cells along u and v.
 fn cells_in([uu, uv, vv]: &[DVec3; 3], error: f64, first: [u32; 2], distance: f64) -> f64 {
     let [mut h, mut k] = first.map(|count| f64::from(SAMPLES) / f64::from(count));
     loop {

@@ -181,3 +181,64 @@ fn cut(points: &[Point], axis: usize, side: f64) -> SmallVec<[Point; 8]> {
     }
     left
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parametric::PARTS;
+    use zeroset_scene::program::Program;
+
+    /// Triangles in random cells, with corners on the surface and beside it, are compared with the
+    /// surface at random places.
+    #[test]
+    fn bounds_of_distances_hold_and_are_tight() {
+        let mut random = fastrand::Rng::with_seed(68);
+        for text in [
+            "(cos u cos v, sin u cos v, sin v) for u in [0, 2pi], v in [-pi/2, pi/2]",
+            "(u, v, exp(-3 u^2) sin(4v)) for u in [-1, 2], v in [0, 1]",
+            "(u v, u^2 - v, v^3 + u v) for u in [-1, 1], v in [-1, 2]",
+        ] {
+            let document = zeroset_syntax::read(text, &zeroset_syntax::Options::default());
+            let document = document.expect(text);
+            let whole = [zeroset_interval::Interval { lo: -1.0, hi: 1.0 }; 3];
+            let program = Program::new(&document, whole).expect(text);
+            let program = program.with_patches(&document).expect(text);
+            let tree = program.patch(0).expect(text).tree().expect("a kernel");
+            let surface = |[u, v]: [f64; 2]| {
+                let found = tree.over(&[[[u, u], [v, v]]]);
+                DVec3::from_array([0, 1, 2].map(|axis| found.centre[axis][0]))
+            };
+            let mut tight = 0;
+            for case in 0..200 {
+                let ranges = [0; 2].map(|_| {
+                    let low = PARTS / 32 * random.u32(..30);
+                    [low, low + PARTS / 32]
+                });
+                let fine = Fine::new(tree, &ranges);
+                let cell = parameters(tree, &ranges);
+                let moved = if case % 2 == 0 { 0.0 } else { 0.02 };
+                let triangle = [0; 3].map(|_| {
+                    let share =
+                        |random: &mut fastrand::Rng| (random.f64() * 1.5 - 0.25).clamp(0.0, 1.0);
+                    let at = cell.map(|[low, high]| low + (high - low) * share(&mut random));
+                    let beside = DVec3::from_array([0; 3].map(|_| random.f64() - 0.5));
+                    Corner { at, place: surface(at) + moved * beside }
+                });
+                let mut farthest = 0.0_f64;
+                for _ in 0..100 {
+                    let [a, b] = [random.f64(), random.f64()];
+                    let [a, b] = if a + b > 1.0 { [1.0 - a, 1.0 - b] } else { [a, b] };
+                    let shares = [a, b, 1.0 - a - b];
+                    let at = [0, 1]
+                        .map(|axis| (0..3).map(|k| shares[k] * triangle[k].at[axis]).sum::<f64>());
+                    let place: DVec3 = (0..3).map(|k| shares[k] * triangle[k].place).sum();
+                    farthest = farthest.max(surface(at).distance(place));
+                }
+                assert!(!fine.is_near(&triangle, 0.999 * farthest - 1e-12), "{text}, {case}");
+                tight += u32::from(fine.is_near(&triangle, 1.5 * farthest + 1e-4));
+            }
+            println!("{text}: {tight} of 200 bounds are tight");
+            assert!(tight > 180, "{text}: {tight}");
+        }
+    }
+}

