@@ -1,6 +1,7 @@
 //! The command `zeroset mesh`.
 
 use super::arguments::MeshArgs;
+use super::claims;
 use super::long_work::LongWork;
 use super::output::{OutputFile, print};
 use super::render::{budget, in_threads};
@@ -63,6 +64,7 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     if let Some(searched) = found.searched {
         notes::note(&subject::describe_domain(&searched, &found.region));
     }
+    let claims = files.claims.is_some().then(|| claims(&found, &subject, arguments)).transpose()?;
     if found.is_empty() {
         bail!("nothing to write: {}", why_empty(&found, &subject.document));
     }
@@ -78,7 +80,7 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     let objects = &found.objects;
     let clock = Instant::now();
     let held = interrupt::hold();
-    files.finish(objects, arguments.unit)?;
+    files.finish(objects, arguments.unit, claims)?;
     drop(held);
     if arguments.json {
         print(&format!("{}\n", report(&found, &subject, clock.elapsed())))?;
@@ -121,41 +123,64 @@ pub fn of_picture(
 struct Files {
     mesh: Option<(&'static Format, OutputFile)>,
     unproven: Option<OutputFile>,
+    claims: Option<OutputFile>,
 }
 
 impl Files {
     fn create(arguments: &MeshArgs) -> Result<Self> {
-        let MeshArgs { output, cells_unproven, json, .. } = arguments;
+        let MeshArgs { output, cells_unproven, claims, json, .. } = arguments;
         ensure!(
             output.is_some() || cells_unproven.is_some() || *json,
             "nothing to write: add -o part.stl, or --json, --cells-unproven"
         );
-        let is_standard = cells_unproven.as_deref() == Some(Path::new("-"));
-        ensure!(!(is_standard && *json), "only one thing can be written to standard output");
+        let is_standard = |path: &Option<PathBuf>| path.as_deref() == Some(Path::new("-"));
+        let standard = [is_standard(cells_unproven), is_standard(claims), *json];
+        let count = standard.into_iter().filter(|is_used| *is_used).count();
+        ensure!(count < 2, "only one thing can be written to standard output");
         let open = |path: &PathBuf| {
             let format = Format::of(path).map_err(anyhow::Error::msg)?;
             Ok::<_, anyhow::Error>((format, OutputFile::create(path)?))
         };
         let mesh = output.as_ref().map(open).transpose()?;
         let unproven = cells_unproven.as_deref().map(OutputFile::create).transpose()?;
-        if let (Some((_, one)), Some(other)) = (&mesh, &unproven) {
-            ensure!(!one.is_same(other), "one file is given for two outputs");
+        let claims = claims.as_deref().map(OutputFile::create).transpose()?;
+        if let (Some((format, _)), Some(_)) = (&mesh, &claims) {
+            ensure!(format.name == "PLY", "--claims are of a PLY file, which keeps all digits");
         }
-        Ok(Self { mesh, unproven })
+        let all = [mesh.as_ref().map(|(_, file)| file), unproven.as_ref(), claims.as_ref()];
+        let all: Vec<&OutputFile> = all.into_iter().flatten().collect();
+        let is_twice = |(number, one): (usize, &&OutputFile)| {
+            all[..number].iter().any(|other| one.is_same(other))
+        };
+        ensure!(!all.iter().enumerate().any(is_twice), "one file is given for two outputs");
+        Ok(Self { mesh, unproven, claims })
     }
 
     fn format(&self) -> Option<&'static Format> {
         self.mesh.as_ref().map(|(format, _)| *format)
     }
 
-    /// Writes the files, the mesh last. If the mesh exists, so does the array.
-    fn finish(self, objects: &[Object], unit: Option<&Unit>) -> Result<()> {
+    /// Writes the files, the mesh last. If the mesh exists, so do the others.
+    fn finish(self, objects: &[Object], unit: Option<&Unit>, claims: Option<Value>) -> Result<()> {
         if let Some(file) = self.unproven {
             file.finish(|out| write_unproven(objects, out))?;
+        }
+        if let (Some(file), Some(claims)) = (self.claims, claims) {
+            file.finish(|out| writeln!(out, "{claims}"))?;
         }
         self.mesh
             .map_or(Ok(()), |(format, file)| file.finish(|out| format.write(objects, unit, out)))
     }
+}
+
+/// The claims of the only surface.
+fn claims(found: &Meshes, subject: &Subject, arguments: &MeshArgs) -> Result<Value> {
+    let [object] = &found.objects[..] else {
+        bail!("--claims are of one surface; hide the others");
+    };
+    let file = arguments.output.as_deref().and_then(Path::file_name).unwrap_or_default();
+    let text = &subject.source.text;
+    Ok(claims::of_mesh(object, found, &subject.document, text, &file.to_string_lossy()))
 }
 
 /// Writes center and size of each unproven cell: six numbers in `f64`.

@@ -9,8 +9,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 use robust::{Coord3D, orient3d};
 
-/// How a mesh meets itself. All numbers are 0 if triangles are proven to meet only in the corners
-/// and edges that they share.
+/// Counts of places where a mesh meets itself. All are 0 if triangles are proven to meet only in
+/// the corners and edges that they share.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Crossings {
     /// Number of pairs of triangles of which an edge of one goes through the inside of the other.
@@ -23,7 +23,7 @@ pub struct Crossings {
     pub place: Option<DVec3>,
 }
 
-/// How two triangles meet.
+/// The relation of two triangles.
 #[derive(PartialEq)]
 enum Meeting {
     Apart,
@@ -101,7 +101,7 @@ impl Crossings {
 }
 
 impl Triangle {
-    /// How two triangles meet. Both must have an area.
+    /// Compares two triangles. Both must have an area.
     fn meeting(&self, other: &Self, least: f64) -> Meeting {
         if self.is_beside(other) || other.is_beside(self) {
             return Meeting::Apart;

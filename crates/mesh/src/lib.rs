@@ -91,8 +91,8 @@ pub struct Mesh {
     /// True if the surface is parametric. Then its shape is that of the rectangle of u and v, and
     /// [unproven](Self::unproven) are the places where it may have a gap.
     pub is_parametric: bool,
-    /// How the mesh of a parametric surface meets itself. `None` for that of an equation or solid,
-    /// which a proof of the shape covers.
+    /// The crossings of a parametric surface's mesh. `None` for an equation or solid, which a proof
+    /// of the shape covers.
     pub crossings: Option<Crossings>,
     /// True if the triangles have no rim.
     pub is_closed: bool,

@@ -17,7 +17,7 @@ enum Side {
 /// The boundary of a domain.
 pub(super) struct Cut {
     sides: Vec<Side>,
-    /// Vertices that are beyond by so little are inside.
+    /// Vertices that are so near a side are on it.
     slack: f64,
     /// Largest size of cells that the surface of the ball meets.
     longest: f64,
@@ -84,6 +84,12 @@ impl Cut {
                 continue;
             }
             is_cut = true;
+            let round = |at: DVec3| if is_single { at.as_vec3().as_dvec3() } else { at };
+            for (vertex, beyond) in vertices.iter_mut().zip(&beyond) {
+                if beyond.abs() <= self.slack {
+                    *vertex = round(side.nearest(*vertex));
+                }
+            }
             let mut on_edges: FxHashMap<[u32; 2], u32> = FxHashMap::default();
             let mut crossing = |inner: u32, outer: u32| {
                 if beyond[inner as usize] >= -self.slack {
@@ -91,8 +97,7 @@ impl Cut {
                 }
                 *on_edges.entry([inner, outer]).or_insert_with(|| {
                     let [from, to] = [inner, outer].map(|end| vertices[end as usize]);
-                    let place = side.crossing(from, to);
-                    vertices.push(if is_single { place.as_vec3().as_dvec3() } else { place });
+                    vertices.push(round(side.crossing(from, to)));
                     vertices.len() as u32 - 1
                 })
             };
@@ -138,19 +143,26 @@ impl Side {
         }
     }
 
-    /// Where a segment from a point inside to one outside crosses the boundary.
-    fn crossing(&self, from: DVec3, to: DVec3) -> DVec3 {
+    /// The nearest point of this side to one beside it. Those of faces of the box are exact.
+    fn nearest(&self, point: DVec3) -> DVec3 {
         match self {
             Self::Plane { normal, offset } => {
+                let is_face = normal.abs().cmpeq(DVec3::ONE);
+                let moved = point - self.beyond(point) * normal;
+                DVec3::select(is_face, offset * normal, moved)
+            }
+            Self::Ball(ball) => {
+                ball.centre + ball.radius * (point - ball.centre).normalize_or(DVec3::X)
+            }
+        }
+    }
+
+    /// Returns the place at which a segment from inside to outside crosses the boundary.
+    fn crossing(&self, from: DVec3, to: DVec3) -> DVec3 {
+        match self {
+            Self::Plane { .. } => {
                 let (here, there) = (self.beyond(from), self.beyond(to));
-                let mut place = from.lerp(to, here / (here - there));
-                // A face of the box is exact.
-                for axis in 0..3 {
-                    if normal[axis].abs() == 1.0 {
-                        place[axis] = offset * normal[axis];
-                    }
-                }
-                place
+                self.nearest(from.lerp(to, here / (here - there)))
             }
             Self::Ball(ball) => {
                 let (start, way) = (from - ball.centre, to - from);

@@ -22,7 +22,7 @@ const CLEARLY: f64 = 1.1;
 /// error by this factor more than the other.
 const CLEARLY_LESS: f64 = 1.5;
 
-/// What cells must be like.
+/// The conditions at which cells are not divided.
 #[derive(Clone, Copy)]
 pub(super) struct Wanted<'a> {
     /// Largest distance between triangles and surface.
@@ -33,7 +33,7 @@ pub(super) struct Wanted<'a> {
     pub most_cells: usize,
     /// The boundary of the domain. Cells outside are not divided.
     pub cut: &'a Cut,
-    /// Whether to go on.
+    /// Returns false once the work is to end.
     pub goes_on: &'a (dyn Fn() -> bool + Sync),
 }
 
@@ -71,8 +71,8 @@ fn grid(u: u32, v: u32) -> Vec<Ranges> {
     (0..u * v).map(|k| [range(k % u, u), range(k / u, v)]).collect()
 }
 
-/// The numbers of cells along u and v to begin with: those that lead to the fewest cells, as far as
-/// estimates tell.
+/// Returns numbers of cells along u and v to begin with. By estimates, they lead to the fewest
+/// cells.
 fn first(tree: &PatchTree, wanted: &Wanted) -> [u32; 2] {
     let mut cells = evaluated(tree, &grid(SAMPLES, SAMPLES), wanted.cut);
     cells.retain(|cell| !cell.is_outside);

@@ -321,6 +321,8 @@ fn the_domain_cuts_a_mesh() {
         assert!(edges(&mesh).values().all(|[one, other]| *one <= 1 && *other <= 1), "{text}");
         assert!(mesh.crossings.expect("a parametric surface").is_none(), "{text}");
         assert!(mesh.vertices.iter().all(|at| region.is_near(*at, 1e-6)), "{text}, {region:?}");
+        let beyond = |at: &DVec3| (region.low() - *at).max(*at - region.high()).max_element();
+        assert!(mesh.vertices.iter().all(|at| beyond(at) <= 1e-7), "{text}, {region:?}");
         // The rim is on the boundary.
         let rim = rim(&mesh);
         assert!(rim.len() > 20 && rim.iter().all(|at| !region.is_near(*at, -1e-6)), "{region:?}");
