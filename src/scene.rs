@@ -146,7 +146,7 @@ impl Scene {
     }
 
     /// Makes triangles of all surfaces that are not hidden, in the domain, as a ball or a clip
-    /// plane of the text cuts it. Nothing cuts parametric surfaces.
+    /// plane of the text cuts it.
     ///
     /// # Errors
     /// If a setting is out of range, the domain is impossible, or the time is over. If a formula is

@@ -714,18 +714,24 @@ def begin(header, effort):
     scene = Scene(header, effort)
 
 
-def check(lines):
+def check_pixels(lines):
     return [(claim["pixel"], scene.judge(claim)) for claim in map(json.loads, lines)]
 
 
 def main():
     about, usage = __doc__.split("\n\n")[:2]
     parser = argparse.ArgumentParser(description=about, epilog=usage)
-    parser.add_argument("file", help="the file of `zeroset render --claims`")
+    parser.add_argument(
+        "file", help="the file of `zeroset render --claims`, or of `zeroset mesh --claims`"
+    )
     parser.add_argument("--effort", type=int, default=2000, help="evaluations for a claim [2000]")
     arguments = parser.parse_args()
     with open(arguments.file, encoding="utf-8") as file:
         header = json.loads(next(file))
+        if header["format"] == "zeroset mesh claims 1":
+            from check_mesh import check
+
+            sys.exit(0 if check(arguments.file, arguments.effort) else 1)
         if header["format"] not in ("zeroset claims 1", "zeroset claims 2"):
             sys.exit(f"{arguments.file}: no file of claims that this program reads")
         for surface in header["surfaces"]:
@@ -734,7 +740,7 @@ def main():
     tasks = [lines[k : k + 64] for k in range(0, len(lines), 64)]
     count: Counter[str] = Counter()
     with Pool(initializer=begin, initargs=(header, arguments.effort)) as pool:
-        for found in pool.imap(check, tasks):
+        for found in pool.imap(check_pixels, tasks):
             for pixel, verdict in found:
                 word, _, why = verdict.partition(":")
                 count[word] += 1

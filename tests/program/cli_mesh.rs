@@ -495,6 +495,49 @@ fn cells_that_are_not_proven_are_told_of() {
     assert!(run.stderr.contains(&told), "{}", run.stderr);
 }
 
+/// How a parametric surface crosses itself is told, and it is cut by the domain.
+#[test]
+fn a_parametric_mesh_tells_how_it_meets_itself() {
+    let torus = "((2 + cos v) cos u, (2 + cos v) sin u, sin v) for u in [0, 2pi], v in [0, 2pi]";
+    let (mesh, told) = read(&[torus], "a.ply");
+    assert_eq!(mesh.closed_euler(), 0);
+    assert!(told.contains("proven; no two triangles cross or touch: proven"), "{told}");
+    let (mesh, told) = read(&[torus, "--domain=-4,0,-4,4,-4,4"], "a.ply");
+    assert!(told.contains("with an open rim; at the same parameters"), "{told}");
+    assert!(mesh.vertices.iter().all(|[x, ..]| *x <= 0.0) && mesh.vertices.len() > 100);
+    let (_, told) = read(&["boy-surface"], "a.ply");
+    assert!(told.contains("; it crosses itself: "), "{told}");
+    assert!(told.contains(" pairs of triangles meet, one of them at ("), "{told}");
+}
+
+/// Claims are of one surface in a PLY file.
+#[test]
+fn claims_of_a_mesh_are_written() {
+    let place = Sandbox::new();
+    let ball = ["mesh", "x^2+y^2+z^2 = 1", "--tolerance", "0.05", "--json"];
+    let files = ["-o", "a.ply", "--claims", "a.json"];
+    let report = place.run(&[&ball[..], &files].concat()).ok().json();
+    let claims = std::fs::read_to_string(place.path("a.json")).expect("claims");
+    let claims: Value = serde_json::from_str(&claims).expect("an object");
+    for (key, expected) in [("file", "a.ply"), ("text", "x^2+y^2+z^2 = 1")] {
+        assert_eq!(claims[key], expected, "{claims}");
+    }
+    for key in ["closed", "oriented", "embedded"] {
+        assert_eq!(claims[key], true, "{claims}");
+    }
+    for (key, expected) in [("euler", 2), ("crossing", 0)] {
+        assert_eq!(claims[key], expected, "{claims}");
+    }
+    assert_eq!(claims["distance"], 0.05);
+    assert_eq!(claims["triangles"], report["triangles"]);
+    for wrong in [&["-o", "a.stl", "--claims", "a.json"][..], &["--claims", "a.json"]] {
+        assert_eq!(place.run(&[&ball[..], wrong].concat()).code, Some(2));
+    }
+    let two = ["mesh", "x = 0; y = 0", "--domain", "1"];
+    let run = place.run(&[&two[..], &files].concat());
+    assert!(run.code == Some(2) && run.stderr.contains("of one surface"), "{}", run.stderr);
+}
+
 /// An estimated mesh is as near to the surface, and claims nothing.
 #[test]
 fn an_estimated_mesh_claims_nothing() {

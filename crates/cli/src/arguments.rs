@@ -767,6 +767,11 @@ pub struct MeshArgs {
     #[arg(long, value_name = "FILE.npy")]
     pub cells_unproven: Option<PathBuf>,
 
+    /// Write all that the mesh claims to prove, for programs that check it, as a JSON object. -o
+    /// must name a PLY file
+    #[arg(long, value_name = "FILE.json", requires = "output")]
+    pub claims: Option<PathBuf>,
+
     /// Print counts, tolerance, domain and times as a JSON object
     #[arg(long)]
     pub json: bool,

@@ -1,13 +1,16 @@
-//! The file of `--claims`: all that a picture claims to prove, for programs that check it.
+//! The files of `--claims`: all that a picture or a mesh claims to prove, for programs that check
+//! it.
 //!
-//! The file has a JSON object on each line. The first has the surfaces as lists of steps, which are
-//! the operations as typed, and the domain. Each further line is a pixel with its ray. The decimals
-//! are those of floats, so both are exact.
+//! The file of a picture has a JSON object on each line. The first has the surfaces as lists of
+//! steps, which are the operations as typed, and the domain. Each further line is a pixel with its
+//! ray. The decimals are those of floats, so both are exact. The file of a mesh has one object, and
+//! the triangles are in the file of the mesh.
 
 use super::array::{Beginning, NewRowWriter, RowWriter};
 use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::io::{self, Write};
+use zeroset_export::{Meshes, Object};
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId};
 use zeroset_render::picture::Picture;
 use zeroset_space::Region;
@@ -17,7 +20,48 @@ use zeroset_trace::{RayGrid, Status};
 /// The first line's `format`.
 const FORMAT: &str = "zeroset claims 2";
 
-/// Begins the file.
+/// The `format` of the claims of a mesh.
+const MESH_FORMAT: &str = "zeroset mesh claims 1";
+
+/// Returns the claims of a mesh in a file. Those that are not proven are null.
+pub fn of_mesh(
+    object: &Object,
+    found: &Meshes,
+    document: &Document,
+    text: &str,
+    file: &str,
+) -> Value {
+    let mesh = &object.mesh;
+    let (surfaces, steps) = functions(document);
+    let mut edges: HashMap<[u32; 2], [u32; 2]> = HashMap::new();
+    for &[a, b, c] in &mesh.triangles {
+        for [from, to] in [[a, b], [b, c], [c, a]] {
+            edges.entry([from.min(to), from.max(to)]).or_default()[usize::from(from > to)] += 1;
+        }
+    }
+    let [vertices, faces, edge_count] =
+        [mesh.vertices.len(), mesh.triangles.len(), edges.len()].map(|count| count as i64);
+    let is_embedded = mesh.crossings.map_or(mesh.is_proven(), |found| found.is_none());
+    let crossing = mesh.crossings.map(|found| found.crossing);
+    json!({
+        "format": MESH_FORMAT,
+        "text": text,
+        "file": file,
+        "domain": domain(&found.region),
+        "surfaces": surfaces,
+        "steps": steps,
+        "vertices": vertices,
+        "triangles": faces,
+        "closed": mesh.is_closed,
+        "oriented": edges.values().all(|count| count.iter().all(|count| *count <= 1)),
+        "euler": vertices - edge_count + faces,
+        "crossing": crossing.or_else(|| is_embedded.then_some(0)),
+        "embedded": is_embedded.then_some(true),
+        "distance": mesh.is_proven().then_some(found.tolerance),
+    })
+}
+
+/// Begins the file of a picture.
 pub fn begin(mut out: Box<dyn Write>, picture: &Beginning<'_>) -> NewRowWriter {
     let Beginning { size: [width, height], document, region, .. } = *picture;
     let (surfaces, steps) = functions(document);

@@ -1,6 +1,7 @@
 //! The command `zeroset mesh`.
 
 use super::arguments::MeshArgs;
+use super::claims;
 use super::long_work::LongWork;
 use super::output::{OutputFile, print};
 use super::render::{budget, in_threads};
@@ -17,7 +18,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use zeroset_export::{FORMATS, Format, Meshes, Object, Quality, Unit, meshes};
 use zeroset_live::Rendering;
-use zeroset_mesh::{Mesh, Unproven, least_for_single};
+use zeroset_mesh::{Crossings, Mesh, Unproven, least_for_single};
 use zeroset_render::limit::Limit;
 use zeroset_scene::blank::{Blank, ends};
 use zeroset_scene::coordinate::{coordinate, decimal};
@@ -63,6 +64,7 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     if let Some(searched) = found.searched {
         notes::note(&subject::describe_domain(&searched, &found.region));
     }
+    let claims = files.claims.is_some().then(|| claims(&found, &subject, arguments)).transpose()?;
     if found.is_empty() {
         bail!("nothing to write: {}", why_empty(&found, &subject.document));
     }
@@ -78,7 +80,7 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     let objects = &found.objects;
     let clock = Instant::now();
     let held = interrupt::hold();
-    files.finish(objects, arguments.unit)?;
+    files.finish(objects, arguments.unit, claims)?;
     drop(held);
     if arguments.json {
         print(&format!("{}\n", report(&found, &subject, clock.elapsed())))?;
@@ -121,41 +123,64 @@ pub fn of_picture(
 struct Files {
     mesh: Option<(&'static Format, OutputFile)>,
     unproven: Option<OutputFile>,
+    claims: Option<OutputFile>,
 }
 
 impl Files {
     fn create(arguments: &MeshArgs) -> Result<Self> {
-        let MeshArgs { output, cells_unproven, json, .. } = arguments;
+        let MeshArgs { output, cells_unproven, claims, json, .. } = arguments;
         ensure!(
             output.is_some() || cells_unproven.is_some() || *json,
             "nothing to write: add -o part.stl, or --json, --cells-unproven"
         );
-        let is_standard = cells_unproven.as_deref() == Some(Path::new("-"));
-        ensure!(!(is_standard && *json), "only one thing can be written to standard output");
+        let is_standard = |path: &Option<PathBuf>| path.as_deref() == Some(Path::new("-"));
+        let standard = [is_standard(cells_unproven), is_standard(claims), *json];
+        let count = standard.into_iter().filter(|is_used| *is_used).count();
+        ensure!(count < 2, "only one thing can be written to standard output");
         let open = |path: &PathBuf| {
             let format = Format::of(path).map_err(anyhow::Error::msg)?;
             Ok::<_, anyhow::Error>((format, OutputFile::create(path)?))
         };
         let mesh = output.as_ref().map(open).transpose()?;
         let unproven = cells_unproven.as_deref().map(OutputFile::create).transpose()?;
-        if let (Some((_, one)), Some(other)) = (&mesh, &unproven) {
-            ensure!(!one.is_same(other), "one file is given for two outputs");
+        let claims = claims.as_deref().map(OutputFile::create).transpose()?;
+        if let (Some((format, _)), Some(_)) = (&mesh, &claims) {
+            ensure!(format.name == "PLY", "--claims are of a PLY file, which keeps all digits");
         }
-        Ok(Self { mesh, unproven })
+        let all = [mesh.as_ref().map(|(_, file)| file), unproven.as_ref(), claims.as_ref()];
+        let all: Vec<&OutputFile> = all.into_iter().flatten().collect();
+        let is_twice = |(number, one): (usize, &&OutputFile)| {
+            all[..number].iter().any(|other| one.is_same(other))
+        };
+        ensure!(!all.iter().enumerate().any(is_twice), "one file is given for two outputs");
+        Ok(Self { mesh, unproven, claims })
     }
 
     fn format(&self) -> Option<&'static Format> {
         self.mesh.as_ref().map(|(format, _)| *format)
     }
 
-    /// Writes the files, the mesh last. If the mesh exists, so does the array.
-    fn finish(self, objects: &[Object], unit: Option<&Unit>) -> Result<()> {
+    /// Writes the files, the mesh last. If the mesh exists, so do the others.
+    fn finish(self, objects: &[Object], unit: Option<&Unit>, claims: Option<Value>) -> Result<()> {
         if let Some(file) = self.unproven {
             file.finish(|out| write_unproven(objects, out))?;
+        }
+        if let (Some(file), Some(claims)) = (self.claims, claims) {
+            file.finish(|out| writeln!(out, "{claims}"))?;
         }
         self.mesh
             .map_or(Ok(()), |(format, file)| file.finish(|out| format.write(objects, unit, out)))
     }
+}
+
+/// The claims of the only surface.
+fn claims(found: &Meshes, subject: &Subject, arguments: &MeshArgs) -> Result<Value> {
+    let [object] = &found.objects[..] else {
+        bail!("--claims are of one surface; hide the others");
+    };
+    let file = arguments.output.as_deref().and_then(Path::file_name).unwrap_or_default();
+    let text = &subject.source.text;
+    Ok(claims::of_mesh(object, found, &subject.document, text, &file.to_string_lossy()))
 }
 
 /// Writes center and size of each unproven cell: six numbers in `f64`.
@@ -276,6 +301,8 @@ fn report(found: &Meshes, subject: &Subject, write: Duration) -> Value {
             "cells": mesh.cells,
             "unproven": mesh.unproven.len(),
             "far": mesh.far,
+            "crossing": mesh.crossings.map(|found| found.crossing),
+            "touching": mesh.crossings.map(|found| found.touching + found.flat),
         })
     };
     let (low, high) = (region.low(), region.high());
@@ -346,20 +373,43 @@ fn describe(name: &str, mesh: &Mesh, tolerance: f64) -> String {
              distance is not proven to be within {tolerance:.2e}",
             mesh.cells
         ),
-        ([first, ..], _) => {
-            // One digit more than the tolerance shows.
-            let digits = (1.0 - tolerance.log10()).ceil().clamp(0.0, 18.0) as usize;
-            let unit = 10.0_f64.powi(digits as i32);
-            // Adding 0 takes the sign from -0.
-            let along = |along: f64| format!("{:.digits$}", (along * unit).round() / unit + 0.0);
-            let place = first.centre.to_array().map(along).join(", ");
-            format!(
-                "the shape is not proven in {} of {} cells, one of them at ({place}): samples \
-                 decide there",
-                mesh.unproven.len(),
-                mesh.cells
-            )
-        }
+        ([first, ..], _) => format!(
+            "the shape is not proven in {} of {} cells, one of them at {}: samples decide there",
+            mesh.unproven.len(),
+            mesh.cells,
+            point(first.centre, tolerance)
+        ),
     };
-    format!("{of}{} triangles, {closed}; {shape}", mesh.triangles.len())
+    let crossings = mesh.crossings.map(|found| format!("; {}", meetings(&found, tolerance)));
+    let crossings = crossings.unwrap_or_default();
+    format!("{of}{} triangles, {closed}; {shape}{crossings}", mesh.triangles.len())
+}
+
+/// Says whether triangles cross or touch.
+fn meetings(found: &Crossings, tolerance: f64) -> String {
+    let &Crossings { crossing, touching, flat, place } = found;
+    if found.is_none() {
+        return "no two triangles cross or touch: proven".to_owned();
+    }
+    let place = place.map(|at| format!(", one of them at {}", point(at, tolerance)));
+    let what = match (crossing, touching) {
+        (0, 0) => None,
+        (0, _) => Some("it touches itself, or crosses itself along edges"),
+        _ => Some("it crosses itself"),
+    };
+    let pairs = crossing + touching;
+    let pairs = what.map(|what| {
+        format!("{what}: {pairs} pairs of triangles meet{}", place.unwrap_or_default())
+    });
+    let areas = (flat > 0).then(|| format!("{flat} triangles are not proven to have an area"));
+    pairs.into_iter().chain(areas).collect::<Vec<_>>().join("; ")
+}
+
+/// The coordinates of a point, with one digit more than a tolerance shows.
+fn point(at: DVec3, tolerance: f64) -> String {
+    let digits = (1.0 - tolerance.log10()).ceil().clamp(0.0, 18.0) as usize;
+    let unit = 10.0_f64.powi(digits as i32);
+    // Adding 0 takes the sign from -0.
+    let along = |along: f64| format!("{:.digits$}", (along * unit).round() / unit + 0.0);
+    format!("({})", at.to_array().map(along).join(", "))
 }

@@ -1,20 +1,16 @@
 //! The meshes of a document's visible surfaces.
 
 use crate::color::{Color, map_colors};
-use glam::DVec3;
 use std::time::{Duration, Instant};
 use zeroset_mesh::{
-    MOST_CELLS, Mesh, Options, Simplification, TOLERANCE, larger, mesh, parametric_mesh, simplify,
+    MOST_CELLS, Mesh, Options, ParametricOptions, Simplification, TOLERANCE, larger, mesh,
+    parametric_mesh, simplify,
 };
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::program::{Program, ProgramError};
 use zeroset_scene::view::{self, Clipping, DomainChoice, SceneError};
 use zeroset_space::Region;
 use zeroset_syntax::{Document, SurfaceColor};
-
-/// A note on parametric surfaces that reach out of the domain.
-const WHOLE: &str = "a parametric surface reaches out of the domain: it is cut in pictures, but its mesh is that \
-     of the whole rectangle";
 
 /// The mesh of one surface.
 #[derive(Clone, Debug)]
@@ -87,20 +83,20 @@ pub fn meshes(
     for (number, surface) in visible {
         let (name, color) = (surface.line(), Color::of(number, &surface));
         surfaces.push(number);
+        let is_mapped = matches!(surface.color, Some(SurfaceColor::Mapped(_)));
+        let is_full = is_full || is_mapped;
         if let Some(patch) = program.patch(number) {
             is_undefined = false;
             let tree = patch.tree().map_err(ProgramError::from)?;
-            let Some(mesh) = parametric_mesh(tree, tolerance, MOST_CELLS, wanted) else {
-                return Ok(None);
-            };
+            let options = ParametricOptions { region, tolerance, is_full, most_cells: MOST_CELLS };
+            let Some(mesh) = parametric_mesh(tree, &options, wanted) else { return Ok(None) };
             objects.push(Object { name, mesh, color });
             continue;
         }
         is_undefined &= program.is_undefined(number);
         let is_solid = program.is_solid(number);
-        let is_mapped = matches!(surface.color, Some(SurfaceColor::Mapped(_)));
         // Half of the tolerance is for the first mesh, and half for fewer triangles.
-        let distance = if is_full || is_mapped || is_estimated { 0.0 } else { 0.5 * tolerance };
+        let distance = if is_full || is_estimated { 0.0 } else { 0.5 * tolerance };
         let options = Options {
             region,
             larger,
@@ -122,14 +118,7 @@ pub fn meshes(
     }
     map_colors(document, &surfaces, &mut objects);
     let mesh = clock.elapsed();
-    let mut remarks = program.remarks(document);
-    let is_beyond = |object: &Object| {
-        let is_outside = |at: &DVec3| !region.is_near(*at, tolerance);
-        object.mesh.is_parametric && object.mesh.vertices.iter().any(is_outside)
-    };
-    if objects.iter().any(is_beyond) {
-        remarks.push(WHOLE.to_owned());
-    }
+    let remarks = program.remarks(document);
     Ok(Some(Meshes {
         objects,
         region,

@@ -5,6 +5,7 @@
 
 mod cells;
 mod connected;
+mod crossings;
 mod embedding;
 mod extract;
 mod fit;
@@ -27,11 +28,12 @@ mod wall;
 
 use cells::{PartKernels, Query};
 pub use connected::Connected;
+pub use crossings::Crossings;
 use flat::Flat;
 use glam::DVec3;
 use leaf::{Kind, Nearness};
 use near::{Far, Loose};
-pub use parametric::parametric_mesh;
+pub use parametric::{ParametricOptions, parametric_mesh};
 use refine::{Limits, Refined, refine};
 pub use simplify::{Simplification, least_for_single, simplify};
 use space::Space;
@@ -89,6 +91,9 @@ pub struct Mesh {
     /// True if the surface is parametric. Then its shape is that of the rectangle of u and v, and
     /// [unproven](Self::unproven) are the places where it may have a gap.
     pub is_parametric: bool,
+    /// The crossings of a parametric surface's mesh. `None` for an equation or solid, which a proof
+    /// of the shape covers.
+    pub crossings: Option<Crossings>,
     /// True if the triangles have no rim.
     pub is_closed: bool,
     /// True if all coordinates are `f32`.

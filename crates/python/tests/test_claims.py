@@ -3,6 +3,7 @@
 import json
 import pathlib
 import re
+import struct
 import subprocess
 import sys
 
@@ -224,3 +225,76 @@ def second(claim):
     while value(step) < 0:
         step += 0.01
     return [step - 0.02, step + 0.01]
+
+
+def mesh_claimed(program, folder, text, *options):
+    """Files of a mesh and of its claims."""
+    paths = folder / "mesh.ply", folder / "mesh.json"
+    command = [program, "mesh", text, *options, "-o", paths[0], "--claims", paths[1]]
+    subprocess.run(command, check=True)
+    return paths
+
+
+SPHERE = "(cos u cos v, sin u cos v, sin v) for u in [0, 2pi], v in [-pi/2, pi/2]"
+ENNEPER = "(u - u^3/3 + u v^2, v - v^3/3 + u^2 v, u^2 - v^2) for u in [-2, 2.1], v in [-2, 2]"
+
+
+@pytest.mark.parametrize(
+    ("text", "claims", "options"),
+    [
+        (SPHERE, 8, ["--tolerance", "0.02"]),
+        (SPHERE, 8, ["--domain", "0.8"]),
+        (ENNEPER, 7, []),
+        ("klein-bottle-of-figure-8", 7, []),
+        ("(sqrt(x^2+y^2) - 1)^2 + z^2 = 0.16", 8, ["--tolerance", "0.02"]),
+        ("domain 2; subtract(box(1.2), cylinder(0.5, 3)) <= 0", 8, ["--tolerance", "0.02"]),
+        ("domain 2; z = x*y {x^2 + y^2 < 2}", 8, ["--tolerance", "0.02"]),
+        ("domain ball 1; clip 0, 0, 1, 0; x^2 + y^2 <= 0.5", 8, ["--tolerance", "0.02"]),
+    ],
+)
+def test_claims_of_meshes_are_confirmed(program, tmp_path, text, claims, options):
+    _, path = mesh_claimed(program, tmp_path, text, *options)
+    found, said = counts(path)
+    assert found == {"confirmed": claims, "refuted": 0, "not decided": 0}, said
+
+
+@pytest.mark.parametrize("text", [SPHERE, "x^2 + y^2 + z^2 = 1"])
+def test_false_claims_of_meshes_are_refuted(program, tmp_path, text):
+    ply, path = mesh_claimed(program, tmp_path, text, "--tolerance", "0.01")
+    mesh, claims = ply.read_bytes(), json.loads(path.read_text())
+    start, count = mesh.index(b"end_header\n") + 11, claims["vertices"]
+    # Coordinates, a normal and a color; a count and three numbers.
+    vertex, face = 3 * 8 + 3 * 4 + 4, 1 + 3 * 4
+    faces = start + vertex * count
+    assert len(mesh) == faces + face * claims["triangles"]
+    assert claims["crossing"] == 0 and claims["embedded"]
+
+    def refuted(names, mesh, claims):
+        ply.write_bytes(mesh)
+        path.write_text(json.dumps(claims))
+        _, said = counts(path, 1)
+        lines = [line for line in said.splitlines() if ": refuted:" in line]
+        assert [line.split()[0] for line in lines] == names, said
+
+    for name in ["vertices", "triangles", "euler", "crossing"]:
+        refuted([name], mesh, {**claims, name: claims[name] + 1})
+    for name in ["closed", "oriented"]:
+        refuted([name], mesh, {**claims, name: False})
+    if text != SPHERE:  # It takes minutes there.
+        refuted(["distance"], mesh, {**claims, "distance": 1e-12})
+    # A triangle that is turned over, and one that is not there.
+    corners = mesh[faces + 1 : faces + face]
+    turned = mesh[: faces + 1] + corners[4:8] + corners[:4] + mesh[faces + 9 :]
+    refuted(["oriented"], turned, claims)
+    fewer = {**claims, "triangles": claims["triangles"] - 1}
+    header = mesh[:start].replace(b"face %d" % claims["triangles"], b"face %d" % fewer["triangles"])
+    refuted(["closed", "euler"], header + mesh[start:faces] + mesh[faces + face :], fewer)
+
+    def moved(factor):
+        """The mesh, of which a vertex is so many times as far from the center."""
+        at = struct.unpack_from("<3d", mesh, start)
+        return mesh[:start] + struct.pack("<3d", *(factor * x for x in at)) + mesh[start + 24 :]
+
+    refuted(["distance"], moved(1.02), claims)
+    # Through the other side, past the vertex there.
+    refuted(["crossing", "embedded", "distance"], moved(-1.3), claims)
