@@ -46,6 +46,7 @@ type Ranges = [[u32; 2]; 2];
 
 /// A cell, and what is known of the surface over it.
 #[derive(Clone, Copy)]
+#[allow(clippy::struct_excessive_bools, reason = "each is a fact of its own")]
 struct Cell {
     ranges: Ranges,
     /// The surface's distance from a linear function. Infinite if it may have a gap.
