@@ -58,6 +58,8 @@ struct Cell {
     is_outside: bool,
     /// True if the cell is too large to be cut by the domain's ball.
     is_coarse: bool,
+    /// Two triangles between the cell's corners that are proven to be near the surface.
+    fitting: Option<[[usize; 3]; 2]>,
 }
 
 /// The options for the mesh of a parametric surface.
@@ -187,6 +189,7 @@ impl Cell {
             is_nowhere: found.nowhere >> lane & 1 == 1,
             is_outside: cut.is_outside(&bounds),
             is_coarse: cut.is_coarse(&bounds),
+            fitting: None,
         }
     }
 

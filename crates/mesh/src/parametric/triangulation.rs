@@ -3,7 +3,7 @@
 //! A cell is a polygon in the rectangle of u and v. Its corners are those of the cell, and all
 //! corners of others on its edges. So nothing is torn.
 
-use super::division::{Wanted, axes, evaluated, parts};
+use super::division::{Wanted, axes, diagonals, evaluated, parts};
 use super::fine::{Corner, Fine};
 use super::{Cell, Place, Ranges, parameter};
 use crate::parametric::sides::Sides;
@@ -187,6 +187,12 @@ impl<'a> Triangulation<'a> {
     /// Finds triangles of a face's polygon, and whether they are within a distance of the surface.
     fn triangulate(&self, face: &mut Face, distance: f64) {
         let polygon = &face.polygon[..];
+        let numbers = |one: [usize; 3]| one.map(|k| polygon[k].number);
+        if let (4, Some(fitting)) = (polygon.len(), face.cell.fitting) {
+            face.is_near = true;
+            face.triangles = fitting.map(numbers).to_vec();
+            return;
+        }
         let length = |one: usize, other: usize| {
             self.point(&polygon[one]).distance_squared(self.point(&polygon[other]))
         };
@@ -202,18 +208,13 @@ impl<'a> Triangulation<'a> {
             Some(fine) => triangles.iter().all(|one| fine.is_near(&one.map(corner), distance)),
             None => face.cell.is_continuous,
         };
-        let mut triangles = if polygon.len() == 4 {
-            // The shorter diagonal first.
-            let (first, second) = ([[0, 1, 2], [0, 2, 3]], [[0, 1, 3], [1, 2, 3]]);
-            if length(0, 2) <= length(1, 3) { [first, second] } else { [second, first] }
-                .map(Vec::from)
-                .to_vec()
+        let mut triangles = if let [a, b, c, d] = polygon {
+            diagonals(&[a, b, c, d].map(|corner| self.point(corner))).map(Vec::from).to_vec()
         } else {
             vec![shortest(polygon, &length)]
         };
         let found = triangles.iter().position(|some| are_near(some));
         face.is_near = found.is_some();
-        let numbers = |one: [usize; 3]| one.map(|k| polygon[k].number);
         let found = triangles.swap_remove(found.unwrap_or(0));
         face.triangles = found.into_iter().map(numbers).collect();
     }
