@@ -42,7 +42,9 @@ pub fn of_mesh(
     let [vertices, faces, edge_count] =
         [mesh.vertices.len(), mesh.triangles.len(), edges.len()].map(|count| count as i64);
     let is_embedded = mesh.crossings.map_or(mesh.is_proven(), |found| found.is_none());
-    let crossing = mesh.crossings.map(|found| found.crossing);
+    // Triangles without a proven area count in no pair.
+    let counted = mesh.crossings.filter(|found| found.flat == 0);
+    let crossing = counted.map(|found| found.crossing);
     json!({
         "format": MESH_FORMAT,
         "text": text,

@@ -46,6 +46,7 @@ type Ranges = [[u32; 2]; 2];
 
 /// A cell, and what is known of the surface over it.
 #[derive(Clone, Copy)]
+#[allow(clippy::struct_excessive_bools, reason = "each is a fact of its own")]
 struct Cell {
     ranges: Ranges,
     /// The surface's distance from a linear function. Infinite if it may have a gap.
@@ -57,6 +58,8 @@ struct Cell {
     is_outside: bool,
     /// True if the cell is too large to be cut by the domain's ball.
     is_coarse: bool,
+    /// Two triangles between the cell's corners that are proven to be near the surface.
+    fitting: Option<[[usize; 3]; 2]>,
 }
 
 /// The options for the mesh of a parametric surface.
@@ -186,6 +189,7 @@ impl Cell {
             is_nowhere: found.nowhere >> lane & 1 == 1,
             is_outside: cut.is_outside(&bounds),
             is_coarse: cut.is_coarse(&bounds),
+            fitting: None,
         }
     }
 

@@ -47,12 +47,12 @@ pub(super) fn divided(tree: &PatchTree, wanted: &Wanted) -> Option<Vec<Cell>> {
             return None;
         }
         let is_full = done.len() + open.len() > wanted.most_cells;
-        let axes = |cell: &Cell| {
+        let axes = |cell: &mut Cell| {
             let is_linear = !cell.is_coarse && 2.0 * cell.error <= wanted.distance;
             let is_done = is_full || cell.is_nowhere || cell.is_outside || is_linear;
             if is_done { [false; 2] } else { axes_to_divide(tree, cell, wanted) }
         };
-        let axes: Vec<[bool; 2]> = open.par_iter().map(axes).collect();
+        let axes: Vec<[bool; 2]> = open.par_iter_mut().map(axes).collect();
         let mut next = Vec::new();
         for (cell, axes) in open.into_iter().zip(axes) {
             match axes {
@@ -132,7 +132,7 @@ pub(super) fn parts(ranges: &Ranges, axes: [bool; 2]) -> Vec<Ranges> {
 
 /// The axes along which to divide a cell: none if two triangles between its corners are near the
 /// surface, as far as estimates tell, or if it cannot be divided.
-fn axes_to_divide(tree: &PatchTree, cell: &Cell, wanted: &Wanted) -> [bool; 2] {
+fn axes_to_divide(tree: &PatchTree, cell: &mut Cell, wanted: &Wanted) -> [bool; 2] {
     let divisible = [cell.is_divisible(0), cell.is_divisible(1)];
     if divisible == [false; 2] {
         return divisible;
@@ -147,18 +147,35 @@ fn axes_to_divide(tree: &PatchTree, cell: &Cell, wanted: &Wanted) -> [bool; 2] {
     axes(tree, cell, &fine, wanted.cut)
 }
 
-/// Returns whether two triangles between approximate corners of a cell are near the surface.
-fn fits(tree: &PatchTree, cell: &Cell, fine: &Fine, distance: f64) -> bool {
+/// Returns whether two triangles between approximate corners of a cell are near the surface. If
+/// those between exact corners are proven to be, too, they are [noted](Cell::fitting).
+fn fits(tree: &PatchTree, cell: &mut Cell, fine: &Fine, distance: f64) -> bool {
     let [u, v] = [0, 1].map(|axis| cell.ranges[axis].map(|part| parameter(tree, axis, part)));
     let ends = [[u[0], v[0]], [u[1], v[0]], [u[1], v[1]], [u[0], v[1]]];
     let places = fine.corners();
-    let [a, b, c, d] = [0, 1, 2, 3].map(|k| Corner { at: ends[k], place: places[k] });
-    let is_near = |triangle: &[Corner; 3]| fine.is_near(triangle, distance);
+    let corners = [0, 1, 2, 3].map(|k| Corner { at: ends[k], place: places[k] });
     // What bends by more need not be compared.
     let [u, v] = fine.bends();
-    fine.error() + u.max(v) <= distance
-        && ([[a, b, c], [a, c, d]].iter().all(is_near)
-            || [[a, b, d], [b, c, d]].iter().all(is_near))
+    let least = fine.error() + u.max(v);
+    if least.is_nan() || least > distance {
+        return false;
+    }
+    let are_near = |triangles: &[[usize; 3]; 2], distance: f64| {
+        triangles.iter().all(|one| fine.is_near(&one.map(|k| corners[k]), distance))
+    };
+    let both = diagonals(&places);
+    // An exact corner is at most this far from the approximate one.
+    let proven = both.iter().find(|some| are_near(some, distance - fine.error()));
+    cell.fitting = proven.copied();
+    proven.is_some() || both.iter().any(|some| are_near(some, distance))
+}
+
+/// The two triangles between four corners, by the shorter diagonal and by the other.
+pub(super) fn diagonals(places: &[DVec3; 4]) -> [[[usize; 3]; 2]; 2] {
+    let [a, b, c, d] = places;
+    let (first, second) = ([[0, 1, 2], [0, 2, 3]], [[0, 1, 3], [1, 2, 3]]);
+    let is_first = a.distance_squared(*c) <= b.distance_squared(*d);
+    if is_first { [first, second] } else { [second, first] }
 }
 
 /// The axes along which dividing a cell helps most, of those along which it can be divided.

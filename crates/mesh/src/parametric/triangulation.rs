@@ -3,7 +3,7 @@
 //! A cell is a polygon in the rectangle of u and v. Its corners are those of the cell, and all
 //! corners of others on its edges. So nothing is torn.
 
-use super::division::{Wanted, axes, evaluated, parts};
+use super::division::{Wanted, axes, diagonals, evaluated, parts};
 use super::fine::{Corner, Fine};
 use super::{Cell, Place, Ranges, parameter};
 use crate::parametric::sides::Sides;
@@ -187,6 +187,12 @@ impl<'a> Triangulation<'a> {
     /// Finds triangles of a face's polygon, and whether they are within a distance of the surface.
     fn triangulate(&self, face: &mut Face, distance: f64) {
         let polygon = &face.polygon[..];
+        let numbers = |one: [usize; 3]| one.map(|k| polygon[k].number);
+        if let (4, Some(fitting)) = (polygon.len(), face.cell.fitting) {
+            face.is_near = true;
+            face.triangles = fitting.map(numbers).to_vec();
+            return;
+        }
         let length = |one: usize, other: usize| {
             self.point(&polygon[one]).distance_squared(self.point(&polygon[other]))
         };
@@ -202,18 +208,13 @@ impl<'a> Triangulation<'a> {
             Some(fine) => triangles.iter().all(|one| fine.is_near(&one.map(corner), distance)),
             None => face.cell.is_continuous,
         };
-        let mut triangles = if polygon.len() == 4 {
-            // The shorter diagonal first.
-            let (first, second) = ([[0, 1, 2], [0, 2, 3]], [[0, 1, 3], [1, 2, 3]]);
-            if length(0, 2) <= length(1, 3) { [first, second] } else { [second, first] }
-                .map(Vec::from)
-                .to_vec()
+        let mut triangles = if let [a, b, c, d] = polygon {
+            diagonals(&[a, b, c, d].map(|corner| self.point(corner))).map(Vec::from).to_vec()
         } else {
             vec![shortest(polygon, &length)]
         };
         let found = triangles.iter().position(|some| are_near(some));
         face.is_near = found.is_some();
-        let numbers = |one: [usize; 3]| one.map(|k| polygon[k].number);
         let found = triangles.swap_remove(found.unwrap_or(0));
         face.triangles = found.into_iter().map(numbers).collect();
     }
@@ -262,4 +263,59 @@ fn shortest(polygon: &[Vertex], length: &dyn Fn(usize, usize) -> f64) -> Vec<[us
         open.extend([(from, middle), (middle, to)]);
     }
     triangles
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parametric::cut::Cut;
+    use crate::parametric::division::divided;
+    use zeroset_scene::program::Program;
+    use zeroset_space::Region;
+
+    /// All triangles are compared with finer parts of the surface, at the same u and v.
+    #[test]
+    fn all_triangles_are_near_the_surface() {
+        let mut proven = [0, 0];
+        for text in [
+            "((2 + cos v) cos u, (2 + cos v) sin u, sin v) for u in [0, 2pi], v in [0, 2pi]",
+            "(u, v, exp(-20 (u^2 + v^2))) for u in [-1.1, 1], v in [-1, 0.9]",
+            "(u v, u^2 - v, v^3 + u v) for u in [-1, 1], v in [-1, 2]",
+        ] {
+            let document = zeroset_syntax::read(text, &zeroset_syntax::Options::default());
+            let document = document.expect(text);
+            let whole = [zeroset_interval::Interval { lo: -1.0, hi: 1.0 }; 3];
+            let program = Program::new(&document, whole).expect(text);
+            let program = program.with_patches(&document).expect(text);
+            let tree = program.patch(0).expect(text).tree().expect("a kernel");
+            let region = Region::new(DVec3::splat(-9.0), DVec3::splat(9.0)).expect("a region");
+            let (cut, goes_on) = (Cut::new(&region, 0.0, 1.0), || true);
+            let distance = 0.01;
+            let wanted = Wanted {
+                distance,
+                is_linear: false,
+                most_cells: 9999,
+                cut: &cut,
+                goes_on: &goes_on,
+            };
+            let cells = divided(tree, &wanted).expect("wanted");
+            let mut all = Triangulation::new(tree, Sides::find(tree, 9.0), false);
+            for face in all.faces(cells, &wanted).expect("wanted") {
+                assert!(face.is_near, "{text}");
+                proven[usize::from(face.polygon.len() == 4 && face.cell.fitting.is_some())] += 1;
+                let fine = Fine::new(tree, &face.cell.ranges);
+                for triangle in &face.triangles {
+                    let corners = triangle.map(|number| {
+                        let has = |vertex: &&Vertex| vertex.number == number;
+                        let Vertex { place, .. } = face.polygon.iter().find(has).expect("a corner");
+                        let at = [0, 1].map(|axis| parameter(tree, axis, place[axis]));
+                        Corner { at, place: all.points[number as usize] }
+                    });
+                    assert!(fine.is_near(&corners, distance + 1e-12), "{text}");
+                }
+            }
+        }
+        println!("{proven:?} cells proven at the end and before");
+        assert!(proven.iter().all(|count| *count > 100), "{proven:?}");
+    }
 }
