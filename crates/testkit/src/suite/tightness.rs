@@ -14,7 +14,7 @@ pub struct Slack {
     pub floats: u32,
     /// Boxes that reach farther than this from 0 along any axis are not compared.
     pub farthest: f64,
-    /// Whether all numbers up to the least normal one count as equal.
+    /// States that all numbers up to the least normal one count as equal.
     pub rounds_tiny: bool,
 }
 

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use zeroset_interval::{Format, Machine, Software, Vector128};
 
-/// What a mutant does wrong.
+/// A wrong way to carry out an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Change {
     /// Rounds down in place of up.
@@ -46,16 +46,16 @@ impl Site {
         self.line
     }
 
-    /// What a mutant may do wrong here.
+    /// Returns the changes that a mutant may make here.
     pub fn changes(&self) -> &'static [Change] {
         match self.operation {
-            "add" | "mul" => &[RoundsDown, Opposite, First, Second, Neighbour],
+            "add" | "mul" | "mul_add" | "mul_sub" => {
+                &[RoundsDown, Opposite, First, Second, Neighbour]
+            }
             "sqrt" => &[RoundsDown, First, Neighbour],
             "sub" => &[RoundsDown, Opposite, Exchanged, First, Neighbour],
             "div" => &[RoundsDown, Exchanged, First, Neighbour],
-            "mul_add" | "mul_sub" => &[RoundsDown, Opposite, First, Second, Neighbour],
-            "min" | "max" => &[Opposite, Exchanged, First, Second],
-            "lt" | "le" => &[Opposite, Exchanged, First, Second],
+            "min" | "max" | "lt" | "le" => &[Opposite, Exchanged, First, Second],
             "and" | "or" | "select" | "select_signed" => &[Opposite, First, Second],
             "neg" | "abs" | "floor" | "ceil" | "trunc" | "nearest" => &[Opposite],
             "eq" => &[First, Second],
@@ -79,25 +79,25 @@ impl fmt::Display for Mutant {
     }
 }
 
-/// What all machines of a trial do.
+/// The task of a trial's machines.
 #[derive(Clone, Debug)]
-pub enum Deed {
+pub enum Mode {
     /// They record where rules call operations.
     Record(Arc<Mutex<BTreeSet<Site>>>),
     /// They do one thing wrong, and tell whether a result ever had another value.
     Wrong(Mutant, Arc<AtomicBool>),
 }
 
-/// What all machines of a trial do, and a summary of what kernels return.
+/// The task of a trial's machines, and a summary of the kernels' results.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    pub deed: Deed,
+    pub mode: Mode,
     pub summary: Arc<Mutex<Summary>>,
 }
 
 impl Plan {
-    pub fn new(deed: Deed) -> Self {
-        Self { deed, summary: Arc::default() }
+    pub fn new(mode: Mode) -> Self {
+        Self { mode, summary: Arc::default() }
     }
 
     /// Adds to the summary.
@@ -106,7 +106,7 @@ impl Plan {
     }
 }
 
-/// How much kernels claim: a rule that claims less than it could makes no property false.
+/// A measure of how much kernels claim.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Summary {
     /// Number of facts that hold in a lane.
@@ -120,7 +120,7 @@ pub struct Summary {
 impl Summary {
     /// Adds a bound.
     pub fn bound(&mut self, bound: f64) {
-        /// What infinite bounds count, and the size below which all bounds count almost as 0.
+        // The logarithm of infinite bounds, and the size that gives a logarithm of 1.
         const MOST: f64 = 256.0;
         const LEAST: f64 = 1.0 / 1024.0;
         if !bound.is_nan() {
@@ -147,17 +147,17 @@ impl Perturbed {
         Self { software, plan: plan.clone() }
     }
 
-    /// What is to be done wrong in a call of `operation` at `location`.
+    /// Returns the change to make in a call of `operation` at `location`.
     #[inline]
     fn change(&self, operation: &'static str, location: &'static Location) -> Option<Change> {
         let (line, column) = (location.line(), location.column());
-        match &self.plan.deed {
-            Deed::Record(sites) => {
+        match &self.plan.mode {
+            Mode::Record(sites) => {
                 let site = Site { file: location.file(), line, column, operation };
                 sites.lock().expect("no panic while recording").insert(site);
                 None
             }
-            Deed::Wrong(Mutant { site, change }, _) => {
+            Mode::Wrong(Mutant { site, change }, _) => {
                 let is_here = line == site.line
                     && column == site.column
                     && operation == site.operation
@@ -168,7 +168,7 @@ impl Perturbed {
     }
 
     fn compare(&self, right: Vector128, wrong: Vector128) -> Vector128 {
-        if let Deed::Wrong(_, differs) = &self.plan.deed
+        if let Mode::Wrong(_, differs) = &self.plan.mode
             && !is_equal(right, wrong)
         {
             differs.store(true, Ordering::Relaxed);
@@ -207,7 +207,7 @@ fn format_of(a: Vector128) -> Format {
     }
 }
 
-/// Whether vectors have the same values. Zeros of either sign are equal.
+/// Returns whether vectors have the same values. Zeros of either sign are equal.
 fn is_equal(a: Vector128, b: Vector128) -> bool {
     if a == b {
         return true;

@@ -16,7 +16,7 @@ mod reasons;
 mod strength;
 mod trial;
 
-use machine::{Change, Deed, Mutant, Plan, Site};
+use machine::{Change, Mode, Mutant, Plan, Site};
 use reasons::{REASONS, reason, text};
 use std::collections::BTreeMap;
 use std::env;
@@ -25,13 +25,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, Once};
 use std::thread;
 use std::time::{Duration, Instant};
-use trial::{Outcome, Question, attempt};
+use trial::{Outcome, Trial, attempt};
 use zeroset_testkit::{Effort, Rng};
 
 /// The seed of all trials, for which [`strength`] is recorded.
 const SEED: u64 = 0x5eed_0c00_0000;
 /// Mutants that a short test draws.
-const DRAWN: usize = 300;
+const DRAWN: usize = 200;
 /// The share of mutants that must be found, in percent, for each crate.
 const LEAST: usize = 95;
 
@@ -76,43 +76,40 @@ fn each<R: Send>(count: usize, work: impl Fn(usize) -> R + Sync) -> Vec<R> {
 ///
 /// # Panics
 /// If the right machine fails a trial.
-fn all_mutants() -> Vec<(Mutant, Vec<Question>)> {
-    let questions = Question::all();
-    let reached = each(questions.len(), |number| {
+fn all_mutants() -> Vec<(Mutant, Vec<Trial>)> {
+    let trials = Trial::all();
+    let reached = each(trials.len(), |number| {
         let start = Instant::now();
-        let sites = questions[number].sites(SEED);
-        (questions[number], start.elapsed(), sites)
+        let sites = trials[number].sites(SEED);
+        (trials[number], start.elapsed(), sites)
     });
-    let mut sites: BTreeMap<Site, Vec<(Duration, Question)>> = BTreeMap::new();
-    for (question, time, reached) in reached {
+    let mut sites: BTreeMap<Site, Vec<(Duration, Trial)>> = BTreeMap::new();
+    for (trial, time, reached) in reached {
         match reached {
             Ok(reached) => {
                 for site in reached {
-                    sites.entry(site).or_default().push((time, question));
+                    sites.entry(site).or_default().push((time, trial));
                 }
             }
-            Err((name, what)) => panic!("{question:?}, {name}: {what}\nseed {SEED:#x}"),
+            Err((name, what)) => panic!("{trial:?}, {name}: {what}\nseed {SEED:#x}"),
         }
     }
     let mut mutants = Vec::new();
-    for (site, mut questions) in sites {
-        questions.sort();
-        let questions: Vec<Question> =
-            questions.into_iter().map(|(_, question)| question).collect();
+    for (site, mut trials) in sites {
+        trials.sort();
+        let trials: Vec<Trial> = trials.into_iter().map(|(_, trial)| trial).collect();
         for change in site.changes() {
-            mutants.push((Mutant { site, change: *change }, questions.clone()));
+            mutants.push((Mutant { site, change: *change }, trials.clone()));
         }
     }
     mutants
 }
 
-/// What became of the mutants of a file or a crate.
+/// The numbers of mutants of a file or a crate, by outcome.
 #[derive(Clone, Copy, Debug, Default)]
 struct Score {
-    /// A claim was false, or a bound too wide.
-    by_property: usize,
-    /// Less or more was claimed than is recorded.
-    by_record: usize,
+    false_claims: usize,
+    weak_claims: usize,
     survived: usize,
     /// No result ever had another value.
     same: usize,
@@ -120,13 +117,13 @@ struct Score {
 
 impl Score {
     fn found(&self) -> usize {
-        self.by_property + self.by_record
+        self.false_claims + self.weak_claims
     }
 
     fn add(&mut self, outcome: Outcome) {
         *match outcome {
-            Outcome::Killed(_, trial::RECORD) => &mut self.by_record,
-            Outcome::Killed(..) => &mut self.by_property,
+            Outcome::False => &mut self.false_claims,
+            Outcome::Weak => &mut self.weak_claims,
             Outcome::Survived => &mut self.survived,
             Outcome::SameValues => &mut self.same,
         } += 1;
@@ -140,26 +137,26 @@ fn a_rule_that_does_one_thing_wrong_is_found() {
     let (total, recorded) = (mutants.len(), start.elapsed());
     mutants.retain(|(mutant, _)| reason(mutant).is_none());
     let harmless = total - mutants.len();
-    let drawn = match env::var("ZEROSET_MUTANTS").as_deref() {
-        Ok("all") => mutants.len(),
-        Ok(number) => number.parse().expect("a number of mutants, or all"),
-        Err(_) => DRAWN,
+    let (drawn, is_thorough) = match env::var("ZEROSET_MUTANTS").as_deref() {
+        Ok("all") => (mutants.len(), true),
+        Ok(number) => (number.parse().expect("a number of mutants, or all"), false),
+        Err(_) => (DRAWN, false),
     };
     let mut rng = Rng::with_seed(Effort::from_environment(SEED, 1).seed);
     // The first of a random order of mutants.
     for place in (1..mutants.len()).rev() {
-        mutants.swap(place, rng.u64(0..place as u64 + 1) as usize);
+        mutants.swap(place, rng.u64(0..=place as u64) as usize);
     }
     mutants.truncate(drawn);
     let outcomes = each(mutants.len(), |number| {
-        let (mutant, questions) = &mutants[number];
-        attempt(*mutant, questions, SEED)
+        let (mutant, trials) = &mutants[number];
+        attempt(*mutant, trials, SEED, is_thorough)
     });
     let mut files: BTreeMap<&str, Score> = BTreeMap::new();
     let mut crates: BTreeMap<&str, Score> = BTreeMap::new();
     let mut changes: BTreeMap<Change, Score> = BTreeMap::new();
     let mut survivors = Vec::new();
-    for ((mutant, questions), outcome) in mutants.iter().zip(outcomes) {
+    for ((mutant, trials), outcome) in mutants.iter().zip(outcomes) {
         let file = mutant.site.file();
         let of = file.split('/').nth(1).unwrap_or_default();
         files.entry(file).or_default().add(outcome);
@@ -168,13 +165,15 @@ fn a_rule_that_does_one_thing_wrong_is_found() {
         if matches!(outcome, Outcome::Survived | Outcome::SameValues) {
             survivors.push(format!(
                 "{outcome:?} {mutant}, {} trials: {}",
-                questions.len(),
+                trials.len(),
                 text(&mutant.site)
             ));
         }
     }
     survivors.sort();
-    survivors.iter().for_each(|line| println!("{line}"));
+    for line in survivors {
+        println!("{line}");
+    }
     for (name, score) in files {
         println!("{name}: {score:?}");
     }
@@ -218,14 +217,14 @@ fn root() -> PathBuf {
 #[test]
 #[ignore = "writes strength.txt"]
 fn records_how_much_is_claimed() {
-    let questions = Question::all();
-    let lines = each(questions.len(), |number| {
-        let question = questions[number];
-        let plan = || Plan::new(Deed::Record(Arc::default()));
-        let single = question.summarise::<f32>(&plan(), SEED);
-        let double = question.summarise::<f64>(&plan(), SEED);
+    let trials = Trial::all();
+    let lines = each(trials.len(), |number| {
+        let trial = trials[number];
+        let plan = || Plan::new(Mode::Record(Arc::default()));
+        let single = trial.summarise::<f32>(&plan(), SEED);
+        let double = trial.summarise::<f64>(&plan(), SEED);
         [("F32", single), ("F64", double)].map(|(format, summary)| {
-            let name = format!("{question:?} {format}");
+            let name = format!("{trial:?} {format}");
             let summary = summary.map_err(|(property, what)| format!("{name}, {property}: {what}"));
             summary.map(|summary| strength::line(&name, &summary))
         })

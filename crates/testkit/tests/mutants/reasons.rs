@@ -36,12 +36,24 @@ const PIECE: &str =
     "Where an operand has one sign, the limited slope is that of the piece already.";
 const BALANCED: &str = "With this slope, both ends give the same number, but for rounding.";
 const EQUAL: &str = "Where both are equal, either way is right.";
+const UPPER: &[Change] = &[Exchanged, RoundsDown, Neighbour];
+const LONGER: &str = "The middle is rounded up, so the lower half is no shorter than this.";
+const SAMPLE: &str = "Values at points have no error bounds.";
 const UNUSED: &str = "Where the box is not split, no branch of it is used.";
 const SQUARE: &str =
     "A root that is too low is kept, since its square does not exceed the operand.";
 
 /// All reasons but one: see [`reason`].
 pub const REASONS: &[Reason] = &[
+    of("crates/interval/src/rules/affine/rays.rs", "let (after, before) =", UPPER, LONGER),
+    of(
+        "crates/interval/src/rules/affine/mod.rs",
+        "let above = self.m.sub(hi, middle)",
+        UPPER,
+        LONGER,
+    ),
+    of("crates/interval/src/point.rs", "", ROUNDING, SAMPLE),
+    of("crates/eval/src/duals.rs", "", ROUNDING, SAMPLE),
     of("crates/interval/src/rules/affine/arithmetic.rs", "", ROUNDING, UNITS),
     of("crates/interval/src/rules/affine/functions.rs", "", ROUNDING, UNITS),
     of("crates/interval/src/rules/affine/waves.rs", "", ROUNDING, UNITS),

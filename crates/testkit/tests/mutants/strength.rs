@@ -27,7 +27,12 @@ pub fn difference(name: &str, found: &Summary) -> Option<String> {
     };
     let is_same = *facts == found.facts && (mean - found.mean()).abs() <= TOLERANCE;
     (!is_same).then(|| {
-        format!("{} facts and a mean of {:.5}, not {facts} and {mean}", found.facts, found.mean())
+        format!(
+            "{} facts and a mean of {:.5}, not {facts} and {mean}; if this is meant, run \
+             `cargo test -p zeroset-testkit --test mutants -- --ignored records`",
+            found.facts,
+            found.mean()
+        )
     })
 }
 
