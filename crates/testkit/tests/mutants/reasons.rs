@@ -23,6 +23,8 @@ const fn of(
 
 const ROUNDING: &[Change] = &[RoundsDown, Neighbour];
 const FIRST: &[Change] = &[First];
+const DOWN: &[Change] = &[RoundsDown];
+const EXACT: &str = "Where the result is used, the operation is exact.";
 const LESS: &[Change] = &[Opposite, First, Second];
 const OPPOSITE: &[Change] = &[Opposite];
 
@@ -45,6 +47,23 @@ const SQUARE: &str =
 
 /// All reasons but one: see [`reason`].
 pub const REASONS: &[Reason] = &[
+    of(
+        "crates/interval/src/rules/elementary/mod.rs",
+        "let last = self.m.sub(hi, offset)",
+        DOWN,
+        EXACT,
+    ),
+    of("crates/interval/src/rules/elementary/mod.rs", "self.m.add(neg_lo, offset)", DOWN, EXACT),
+    of("crates/interval/src/rules/elementary/mod.rs", "self.m.add(last, neg_first)", DOWN, EXACT),
+    of(
+        "crates/interval/src/rules/elementary/mod.rs",
+        "Some(self.m.le(far, limit))",
+        OPPOSITE,
+        EQUAL,
+    ),
+    of("crates/interval/src/rules/elementary/bessel.rs", "self.m.le(size, limit)", OPPOSITE, EQUAL),
+    of("crates/eval/src/duals.rs", "Some((m.lt(", OPPOSITE, EQUAL),
+    of("crates/eval/src/duals.rs", "=> Some((m.lt(b.value, a.value)", OPPOSITE, EQUAL),
     of("crates/interval/src/rules/affine/rays.rs", "let (after, before) =", UPPER, LONGER),
     of(
         "crates/interval/src/rules/affine/mod.rs",
