@@ -8,7 +8,8 @@
 //! mutant's call is tried until one fails.
 //!
 //! All mutants, with a line for each survivor:
-//! `ZEROSET_MUTANTS=all cargo test -p zeroset-testkit --test mutants -- --nocapture`.
+//! `ZEROSET_MUTANTS=all cargo test -p zeroset-testkit --test mutants -- --nocapture`. In place of
+//! `all`, a part of a file's path selects that file.
 
 mod kernel;
 mod machine;
@@ -32,8 +33,10 @@ use zeroset_testkit::{Effort, Rng};
 const SEED: u64 = 0x5eed_0c00_0000;
 /// Mutants that a short test draws.
 const DRAWN: usize = 200;
-/// The share of mutants that must be found, in percent, for each crate.
-const LEAST: usize = 95;
+/// The share of mutants that must be found for each crate, in percent: of all, and of those that a
+/// short test draws. Of 200 the share may be lower by three standard deviations.
+const LEAST: usize = 94;
+const LEAST_OF_DRAWN: usize = 90;
 
 /// The name of threads whose panics are results.
 const TRIAL: &str = "trial of a mutant";
@@ -139,9 +142,13 @@ fn a_rule_that_does_one_thing_wrong_is_found() {
     let harmless = total - mutants.len();
     let (drawn, is_thorough) = match env::var("ZEROSET_MUTANTS").as_deref() {
         Ok("all") => (mutants.len(), true),
-        Ok(number) => (number.parse().expect("a number of mutants, or all"), false),
+        Ok(path) => {
+            mutants.retain(|(mutant, _)| mutant.site.file().contains(path));
+            (mutants.len(), true)
+        }
         Err(_) => (DRAWN, false),
     };
+    let least = if is_thorough { LEAST } else { LEAST_OF_DRAWN };
     let mut rng = Rng::with_seed(Effort::from_environment(SEED, 1).seed);
     // The first of a random order of mutants.
     for place in (1..mutants.len()).rev() {
@@ -192,7 +199,7 @@ fn a_rule_that_does_one_thing_wrong_is_found() {
     for (name, score) in crates {
         let tried = score.found() + score.survived;
         // A few mutants say little about a share.
-        assert!(score.found() * 100 + 100 >= tried * LEAST, "{name}: {score:?}");
+        assert!(score.found() * 100 + 100 >= tried * least, "{name}: {score:?}");
     }
 }
 

@@ -62,8 +62,8 @@ pub const REASONS: &[Reason] = &[
         EQUAL,
     ),
     of("crates/interval/src/rules/elementary/bessel.rs", "self.m.le(size, limit)", OPPOSITE, EQUAL),
-    of("crates/eval/src/duals.rs", "Some((m.lt(", OPPOSITE, EQUAL),
-    of("crates/eval/src/duals.rs", "=> Some((m.lt(b.value, a.value)", OPPOSITE, EQUAL),
+    of("crates/eval/src/duals.rs", "op == Op::Min => Some((m.lt(", OPPOSITE, EQUAL),
+    of("crates/eval/src/duals.rs", "Some((m.lt(b.value, a.value)", OPPOSITE, EQUAL),
     of("crates/interval/src/rules/affine/rays.rs", "let (after, before) =", UPPER, LONGER),
     of(
         "crates/interval/src/rules/affine/mod.rs",
