@@ -33,9 +33,9 @@ use zeroset_testkit::{Effort, Rng};
 const SEED: u64 = 0x5eed_0c00_0000;
 /// Mutants that a short test draws.
 const DRAWN: usize = 200;
-/// The share of mutants that must be found for each crate, in percent: of all, and of those that a
-/// short test draws. Of 200 the share may be lower by three standard deviations.
+/// Least share of found mutants for each crate, in percent, if all are tried.
 const LEAST: usize = 94;
+/// Least share for the mutants that a short test draws: three standard deviations less.
 const LEAST_OF_DRAWN: usize = 90;
 
 /// The name of threads whose panics are results.
