@@ -21,10 +21,12 @@ mod tile;
 mod vanishing;
 
 pub use agreement::{KernelKind, agree};
-pub use contracting::{ContractionTally, Engine, KernelOptions, check_contraction};
+pub use contracting::{
+    ContractionTally, Engine, KernelOptions, PathKernels, check_contraction, check_contraction_by,
+};
 pub use enclosing::{enclose, native_interval};
-pub use linear::{FormTally, linear};
-pub use narrowing::check_narrowing;
+pub use linear::{FormTally, linear, linear_on};
+pub use narrowing::{check_narrowing, check_narrowing_on};
 pub use picturing::{Pixel, RayClaim, picture};
 pub use reading::read_and_print;
 pub use rewriting::check_simplification;

@@ -10,18 +10,20 @@ mod point;
 mod rewrite;
 mod slopes;
 mod subjects;
+mod tightness;
 
 use std::fmt;
 use zeroset_eval::Kernel;
 use zeroset_ir::{Graph, NodeId};
 
 pub use cases::{CompileCase, check_interval_case, check_interval_cases};
-pub use gradient::check_gradients;
-pub use interval::{check_interval_graphs, check_interval_ops};
-pub use point::check_points;
+pub use gradient::{check_gradients, check_gradients_of_some_ops};
+pub use interval::{check_interval_graphs, check_interval_ops, check_interval_some_ops};
+pub use point::{check_points, check_points_of_some_ops, tolerance_of_values};
 pub(crate) use rewrite::contradiction;
 pub use rewrite::{Rewrite, check_rewrite};
-pub use slopes::{check_slopes, check_slopes_of_ops};
+pub use slopes::{check_slopes, check_slopes_of_ops, check_slopes_of_some_ops};
+pub use tightness::{Slack, check_tightness};
 
 /// Compiles a graph without parameters to a kernel.
 pub type CompileGraph<'a, Q, T = f32> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn Kernel<Q, T>>;
@@ -49,7 +51,7 @@ pub struct Failure(String);
 
 impl Failure {
     /// Creates a failure with this message.
-    pub(crate) fn new(what: impl Into<String>) -> Self {
+    pub fn new(what: impl Into<String>) -> Self {
         Self(what.into())
     }
 }

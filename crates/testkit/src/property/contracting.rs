@@ -5,6 +5,7 @@ use super::KernelKind;
 use super::tile::{Probe, Tile, pack_segments, pack_tiles};
 use crate::suite::Failure;
 use crate::{Adversarial, Case, Claim, Defined, Oracle, Place, Rng, minimise};
+use std::fmt::Debug;
 use zeroset_eval::{
     Binding, ContractSegments, ContractTiles, Kernel, LANES, Planes, Query, Reference, Tape,
 };
@@ -62,14 +63,29 @@ pub enum Engine {
     Native,
 }
 
-impl KernelOptions {
-    fn kernel<Q: Query, T: Adversarial>(self, case: &Case) -> Option<Box<dyn Kernel<Q, T>>> {
+/// A source of kernels for [`check_contraction_by`].
+pub trait PathKernels<T: Adversarial>: Debug {
+    /// Returns a kernel for a case, or `None` to skip the case.
+    fn kernel<Q: Query>(&self, case: &Case) -> Option<Box<dyn Kernel<Q, T>>>;
+
+    /// Returns the kernels that show whether a root is lost. They must give the same bits.
+    #[must_use]
+    fn for_roots(&self) -> Self;
+}
+
+impl<T: Adversarial> PathKernels<T> for KernelOptions {
+    fn kernel<Q: Query>(&self, case: &Case) -> Option<Box<dyn Kernel<Q, T>>> {
         let tape: Tape<T> = KernelKind::Tiles.tape(self.simple, case)?;
         let binding = Binding::new(&case.parameters);
         Some(match self.engine {
             Engine::Reference => Box::new(Reference::new(tape, binding)),
             Engine::Native => Box::new(Native::new(tape, binding).expect("compiles")),
         })
+    }
+
+    /// The reference evaluator gives the same bits as native code, and needs no compiling.
+    fn for_roots(&self) -> Self {
+        Self { engine: Engine::Reference, ..*self }
     }
 }
 
@@ -86,8 +102,21 @@ pub fn check_contraction<T: Adversarial>(
     rng: &mut Rng,
     batches: usize,
 ) -> Result<ContractionTally, Failure> {
+    check_contraction_by::<T, _>(&kernel_options, case, rng, batches)
+}
+
+/// Runs [`check_contraction`] with kernels from another source.
+///
+/// # Errors
+/// The first contradiction, shrunk.
+pub fn check_contraction_by<T: Adversarial, K: PathKernels<T>>(
+    kernels: &K,
+    case: &Case,
+    rng: &mut Rng,
+    batches: usize,
+) -> Result<ContractionTally, Failure> {
     let mut all = ContractionTally::default();
-    let Some(kernel) = kernel_options.kernel::<ContractTiles, T>(case) else { return Ok(all) };
+    let Some(kernel) = kernels.kernel::<ContractTiles>(case) else { return Ok(all) };
     let oracle = Oracle::new(&case.graph, &[case.root]);
     let mut known = Vec::new();
     for _ in 0..batches {
@@ -109,7 +138,7 @@ pub fn check_contraction<T: Adversarial>(
             all.planes += if plane.error.is_finite() { defined as u64 } else { 0 };
             all.crossings += u64::from(plane.crossing && defined > 0);
             if plane.contradiction(tile, probes, &claims).is_some() {
-                return Err(explain::<T>(kernel_options, case, tile, probes, &values));
+                return Err(explain::<T, K>(kernels, case, tile, probes, &values));
             }
             for (probe, claim) in probes.iter().zip(claims) {
                 if is_narrow(claim) {
@@ -124,13 +153,9 @@ pub fn check_contraction<T: Adversarial>(
         }
         let (tile, probe, claim, values) = &known[rng.u32(0..known.len() as u32) as usize];
         let tiles: Vec<Tile> = (0..LANES).map(|_| tile.narrower::<T>(rng, probe)).collect();
-        // The reference evaluator gives the same bits as native code, and needs no compiling.
-        let kernel_options = match kernel_options.engine {
-            Engine::Native => KernelOptions { engine: Engine::Reference, ..kernel_options },
-            Engine::Reference => kernel_options,
-        };
-        if let Some(lost) = lost_root::<T>(kernel_options, case, &tiles, probe, *claim, &mut all) {
-            return Err(explain_root::<T>(kernel_options, case, &tiles[lost], probe, values));
+        let kernels = &kernels.for_roots();
+        if let Some(lost) = lost_root::<T, K>(kernels, case, &tiles, probe, *claim, &mut all) {
+            return Err(explain_root::<T, K>(kernels, case, &tiles[lost], probe, values));
         }
     }
     Ok(all)
@@ -145,8 +170,8 @@ fn with_root(case: &Case, claim: Claim) -> Case {
 }
 
 /// Makes a probe a root by `with_root`. Returns the index of the first tile that loses this root.
-fn lost_root<T: Adversarial>(
-    kernel_options: KernelOptions,
+fn lost_root<T: Adversarial, K: PathKernels<T>>(
+    kernels: &K,
     case: &Case,
     tiles: &[Tile],
     probe: &Probe,
@@ -154,10 +179,9 @@ fn lost_root<T: Adversarial>(
     all: &mut ContractionTally,
 ) -> Option<usize> {
     let case = with_root(case, claim);
-    let planes =
-        &kernel_options.kernel::<ContractTiles, T>(&case)?.eval_all(&[pack_tiles(tiles)])[0];
+    let planes = &kernels.kernel::<ContractTiles>(&case)?.eval_all(&[pack_tiles(tiles)])[0];
     let segments = pack_segments::<T>(tiles, probe);
-    let ends = &kernel_options.kernel::<ContractSegments, T>(&case)?.eval_all(&[segments])[0];
+    let ends = &kernels.kernel::<ContractSegments>(&case)?.eval_all(&[segments])[0];
     (0..tiles.len()).find(|&lane| {
         let [near, far] = tiles[lane].span;
         let mut lost = false;
@@ -173,8 +197,8 @@ fn lost_root<T: Adversarial>(
     })
 }
 
-fn explain_root<T: Adversarial>(
-    kernel_options: KernelOptions,
+fn explain_root<T: Adversarial, K: PathKernels<T>>(
+    kernels: &K,
     case: &Case,
     tile: &Tile,
     probe: &Probe,
@@ -184,8 +208,8 @@ fn explain_root<T: Adversarial>(
     let mut loses = |case: &Case| {
         let claim = value_of(case);
         is_narrow(claim)
-            && lost_root::<T>(
-                kernel_options,
+            && lost_root::<T, K>(
+                kernels,
                 case,
                 &[*tile],
                 probe,
@@ -197,7 +221,7 @@ fn explain_root<T: Adversarial>(
     let least = minimise(case, &mut loses);
     let claim = value_of(&least);
     let case = with_root(&least, claim).describe::<T>(&Place::At(probe.at));
-    Failure::new(format!("{kernel_options:?} loses the root at {probe:?} of {tile:?}\n{case}"))
+    Failure::new(format!("{kernels:?} loses the root at {probe:?} of {tile:?}\n{case}"))
 }
 
 /// Whether a value is known precisely enough for `with_root`.
@@ -287,15 +311,15 @@ fn claims_by_ray<'a>(probes: &[Probe], claims: &'a [Claim]) -> Vec<&'a [Claim]> 
         .collect()
 }
 
-fn explain<T: Adversarial>(
-    kernel_options: KernelOptions,
+fn explain<T: Adversarial, K: PathKernels<T>>(
+    kernels: &K,
     case: &Case,
     tile: &Tile,
     probes: &[Probe],
     values: &[(f64, f64)],
 ) -> Failure {
     let ask = |case: &Case| {
-        let kernel = kernel_options.kernel::<ContractTiles, T>(case)?;
+        let kernel = kernels.kernel::<ContractTiles>(case)?;
         let plane = Plane::of(&kernel.eval_all(&[pack_tiles::<T>(&[*tile])])[0], 0);
         let oracle = Oracle::new(&case.graph, &[case.root]);
         let within = |probe: &Probe| {
@@ -310,8 +334,5 @@ fn explain<T: Adversarial>(
     };
     let least = minimise(case, &mut |case| ask(case).is_some());
     let what = ask(&least).unwrap_or_else(|| "it depends on the other lanes".to_owned());
-    Failure::new(format!(
-        "{kernel_options:?} {what}\n{}",
-        least.describe::<T>(&Place::At(probes[0].at))
-    ))
+    Failure::new(format!("{kernels:?} {what}\n{}", least.describe::<T>(&Place::At(probes[0].at))))
 }

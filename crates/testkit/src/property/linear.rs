@@ -6,8 +6,8 @@ use crate::{Adversarial, Defined, Ends, Oracle, Rng, hexadecimal, random_constan
 use std::f64::consts::FRAC_PI_2;
 use zeroset_eval::{LANES, Lanes};
 use zeroset_interval::{
-    Enclosure, Exponent, Facts, Form, FormOperand, Interval, Software, Vector128 as Vector, fold,
-    linearise,
+    Enclosure, Exponent, Facts, Form, FormOperand, Interval, Machine, Software,
+    Vector128 as Vector, fold, linearise,
 };
 use zeroset_ir::{Axis, Constant, Graph};
 use zeroset_ops::Op;
@@ -29,6 +29,8 @@ pub struct FormTally {
     pub slanted: u64,
     /// Number of all lanes.
     pub lanes: u64,
+    /// Sum of the errors of the lanes counted by `finite`, as logarithms.
+    pub errors: f64,
 }
 
 impl FormTally {
@@ -38,6 +40,7 @@ impl FormTally {
         self.finite += other.finite;
         self.slanted += other.slanted;
         self.lanes += other.lanes;
+        self.errors += other.errors;
     }
 }
 
@@ -77,6 +80,19 @@ type Symbols = [[f64; SYMBOLS]; POINTS];
 /// # Errors
 /// The first contradiction.
 pub fn linear<T: Adversarial>(op: Op, rng: &mut Rng, rounds: usize) -> Result<FormTally, Failure> {
+    linear_on::<T, Software>(op, rng, rounds, &|software| software)
+}
+
+/// Runs [`linear`] on another machine, which `machine` creates in place of a software machine.
+///
+/// # Errors
+/// The first contradiction.
+pub fn linear_on<T: Adversarial, M: Machine<V = Vector>>(
+    op: Op,
+    rng: &mut Rng,
+    rounds: usize,
+    machine: &dyn Fn(Software) -> M,
+) -> Result<FormTally, Failure> {
     let mut form_tally = FormTally::default();
     for _ in 0..rounds {
         let symbols: Vec<Symbols> = (0..T::VECTOR_LANES).map(|_| random_symbols(rng)).collect();
@@ -98,8 +114,8 @@ pub fn linear<T: Adversarial>(op: Op, rng: &mut Rng, rounds: usize) -> Result<Fo
             };
             RandomOperand::random::<T>(rng, kind, &symbols)
         }));
-        let machine = Software::BOTH[usize::from(rng.bool())];
-        form_tally.add(compare::<T>(machine, op, inner, &symbols, &operands)?);
+        let machine = machine(Software::BOTH[usize::from(rng.bool())]);
+        form_tally.add(compare::<T, M>(machine, op, inner, &symbols, &operands)?);
     }
     Ok(form_tally)
 }
@@ -113,8 +129,8 @@ fn random_inner(op: Op, rng: &mut Rng) -> Option<Op> {
     (op.arity() < 3 && rng.bool()).then(|| INNER[rng.u32(0..INNER.len() as u32) as usize])
 }
 
-fn compare<T: Adversarial>(
-    mut machine: Software,
+fn compare<T: Adversarial, M: Machine<V = Vector>>(
+    mut machine: M,
     op: Op,
     inner: Option<Op>,
     symbols: &[Symbols],
@@ -205,6 +221,7 @@ fn compare<T: Adversarial>(
         // A lane counts only if the operation has a certain value at one of its points.
         if form_tally.compared > before {
             form_tally.finite += 1;
+            form_tally.errors += error.max(T::LEAST_NORMAL.into()).log2();
             form_tally.slanted += u64::from(slopes.iter().any(|slope| *slope != 0.0));
         }
     }

@@ -5,7 +5,7 @@ use crate::{Adversarial, Ends, Rng};
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use zeroset_eval::{LANES, Lanes, Real};
-use zeroset_interval::{Form, Machine, Software, contract};
+use zeroset_interval::{Form, Machine, Software, Vector128, contract};
 
 /// One lane: c + Σ s·ε ± e for t from `near` to `far`. The last symbol ε is (t − middle)/half.
 #[derive(Clone, Copy, Debug)]
@@ -37,12 +37,25 @@ pub fn check_narrowing<T: Adversarial, const N: usize>(
     rng: &mut Rng,
     vectors: usize,
 ) -> Result<Tally, Failure> {
+    check_narrowing_on::<T, Software, N>(rng, vectors, &|software| software)
+}
+
+/// Runs [`check_narrowing`] on another machine, which `machine` creates in place of a software
+/// machine.
+///
+/// # Errors
+/// The first result that loses a zero, reports a false crossing, or narrows too little.
+pub fn check_narrowing_on<T: Adversarial, M: Machine<V = Vector128>, const N: usize>(
+    rng: &mut Rng,
+    vectors: usize,
+    machine: &dyn Fn(Software) -> M,
+) -> Result<Tally, Failure> {
     let mut tally = Tally::default();
     for _ in 0..vectors {
         let lanes: Vec<LinearLane<N>> =
             (0..T::VECTOR_LANES).map(|_| LinearLane::random::<T>(rng)).collect();
-        let mut machine = Software::BOTH[usize::from(rng.bool())];
-        for (lane, answer) in lanes.iter().zip(answers::<T, N>(&mut machine, &lanes)) {
+        let mut machine = machine(Software::BOTH[usize::from(rng.bool())]);
+        for (lane, answer) in lanes.iter().zip(answers::<T, M, N>(&mut machine, &lanes)) {
             tally.compared += 1;
             let wrong = lane.contradiction::<T>(answer);
             if let Some(what) = wrong {
@@ -58,8 +71,8 @@ pub fn check_narrowing<T: Adversarial, const N: usize>(
     Ok(tally)
 }
 
-fn answers<T: Adversarial, const N: usize>(
-    m: &mut Software,
+fn answers<T: Adversarial, M: Machine<V = Vector128>, const N: usize>(
+    m: &mut M,
     lanes: &[LinearLane<N>],
 ) -> Vec<QueryResult> {
     let load = |number: &dyn Fn(&LinearLane<N>) -> f64| {

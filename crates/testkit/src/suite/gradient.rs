@@ -1,6 +1,6 @@
 //! Checks of gradient kernels: derivatives must agree with difference quotients of the oracle.
 
-use super::subjects::{OpGraph, subjects};
+use super::subjects::{OpGraph, every_op, subjects_of};
 use super::{CompileGraph, Failure, Tally};
 use crate::{Defined, Oracle, Place, Rng, reproduce_in};
 use zeroset_eval::{LANES, Points, Real, SampleGradient};
@@ -24,9 +24,23 @@ pub fn check_gradients<T: Real>(
     points: u32,
     relative: f64,
 ) -> Result<Tally, Failure> {
+    check_gradients_of_some_ops(make, &every_op(), seed, points, relative)
+}
+
+/// Runs [`check_gradients`] on these operations only.
+///
+/// # Errors
+/// The first contradiction, with a line that reproduces it.
+pub fn check_gradients_of_some_ops<T: Real>(
+    make: CompileGraph<SampleGradient, T>,
+    ops: &[Op],
+    seed: u64,
+    points: u32,
+    relative: f64,
+) -> Result<Tally, Failure> {
     let mut rng = Rng::with_seed(seed);
     let mut tally = Tally::default();
-    for subject in subjects().into_iter().filter(OpGraph::fits::<T>) {
+    for subject in subjects_of(ops).filter(OpGraph::fits::<T>) {
         let places: Vec<[f64; 3]> = (0..points)
             .map(|_| [(); 3].map(|()| f64::from(rng.i32(-1 << 20..1 << 20)) / f64::from(1 << 18)))
             .collect();

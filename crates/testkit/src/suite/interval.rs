@@ -1,6 +1,6 @@
 //! Checks of interval kernels: bounds overlap the oracle's bounds, and facts are true.
 
-use super::subjects::subjects;
+use super::subjects::{every_op, subjects_of};
 use super::{CompileGraph, Failure, Tally};
 use crate::{
     Adversarial, Claim, Defined, Ends, GraphOptions, Oracle, Place, Rng, hexadecimal, pack_boxes,
@@ -9,6 +9,7 @@ use crate::{
 use zeroset_eval::{Enclose, Enclosures, LANES, Real};
 use zeroset_interval::Facts;
 use zeroset_ir::{Graph, NodeId};
+use zeroset_ops::Op;
 
 /// Points checked in each box.
 const POINTS: u32 = 4;
@@ -22,9 +23,22 @@ pub fn check_interval_ops<T: Adversarial>(
     seed: u64,
     boxes: u32,
 ) -> Result<Tally, Failure> {
+    check_interval_some_ops(make, &every_op(), seed, boxes)
+}
+
+/// Runs [`check_interval_ops`] on these operations only.
+///
+/// # Errors
+/// The first contradiction, with a line that reproduces it.
+pub fn check_interval_some_ops<T: Adversarial>(
+    make: CompileGraph<Enclose, T>,
+    ops: &[Op],
+    seed: u64,
+    boxes: u32,
+) -> Result<Tally, Failure> {
     let mut rng = Rng::with_seed(seed);
     let mut tally = Tally::default();
-    for subject in subjects() {
+    for subject in subjects_of(ops) {
         let drawn = check(make, &mut rng, &subject.graph, subject.root, boxes);
         tally.add(drawn.map_err(|failure| seeded(&failure, seed))?);
     }
@@ -92,9 +106,9 @@ fn check<T: Adversarial>(
 /// One lane of a kernel's result.
 #[derive(Debug)]
 pub(super) struct QueryResult {
-    lo: f64,
-    hi: f64,
-    facts: Facts,
+    pub(super) lo: f64,
+    pub(super) hi: f64,
+    pub(super) facts: Facts,
 }
 
 impl QueryResult {

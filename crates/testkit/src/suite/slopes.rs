@@ -5,7 +5,7 @@
 //! The check of changes is the mean value form, f(q) − f(p) ∈ G·(q − p). It uses values alone, so
 //! it does not depend on the table of derivatives.
 
-use super::subjects::subjects;
+use super::subjects::{every_op, subjects_of};
 use super::{CompileCase, Failure, Tally};
 use crate::oracle::Span;
 use crate::{
@@ -162,9 +162,22 @@ pub fn check_slopes_of_ops<T: Adversarial>(
     seed: u64,
     boxes: usize,
 ) -> Result<Tally, Failure> {
+    check_slopes_of_some_ops(make, &every_op(), seed, boxes)
+}
+
+/// Runs [`check_slopes_of_ops`] on these operations only.
+///
+/// # Errors
+/// The first contradiction, shrunk, with a line that reproduces it.
+pub fn check_slopes_of_some_ops<T: Adversarial>(
+    make: CompileCase<EncloseGradient, T>,
+    ops: &[Op],
+    seed: u64,
+    boxes: usize,
+) -> Result<Tally, Failure> {
     let mut rng = Rng::with_seed(seed);
     let mut tally = Tally::default();
-    for subject in subjects() {
+    for subject in subjects_of(ops) {
         let (graph, root) = (subject.graph, subject.root);
         let case = Case { graph, root, assumptions: Assumptions::none(0), parameters: Vec::new() };
         let drawn = check_slopes(make, &case, &mut rng, boxes);

@@ -21,9 +21,19 @@ impl OpGraph {
     }
 }
 
+/// All operations.
+pub(super) fn every_op() -> Vec<Op> {
+    TABLE.iter().map(|row| row.op).collect()
+}
+
+/// Returns the graphs of these operations among [`subjects`].
+pub(super) fn subjects_of(ops: &[Op]) -> impl Iterator<Item = OpGraph> {
+    subjects().into_iter().filter(|subject| ops.contains(&subject.op))
+}
+
 /// Returns graphs of every operation over x, y, z. For a binary operation there are also graphs
 /// with equal operands, and with a constant on either side. Powers have more constants.
-pub(super) fn subjects() -> Vec<OpGraph> {
+fn subjects() -> Vec<OpGraph> {
     let mut all = Vec::new();
     for row in TABLE {
         all.push(subject(row.op, |graph, place| graph.variable(Axis::ALL[place])));

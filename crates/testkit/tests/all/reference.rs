@@ -1,13 +1,11 @@
 //! Runs the suite on the reference evaluator, in both precisions.
 
 use zeroset_eval::{Assumptions, Binding, Kernel, Query, Real, Reference, Tape};
-use zeroset_interval::Format;
 use zeroset_ir::{Graph, NodeId};
-use zeroset_ops::Op;
 use zeroset_testkit::suite::{
-    check_gradients, check_interval_graphs, check_interval_ops, check_points,
+    check_gradients, check_interval_graphs, check_interval_ops, check_points, tolerance_of_values,
 };
-use zeroset_testkit::{Adversarial, Claim, GraphOptions};
+use zeroset_testkit::{Adversarial, GraphOptions};
 
 /// Returns the reference evaluator of a function, with derivatives if the query needs them.
 fn reference<Q: Query, T: Real>(graph: &Graph, root: NodeId) -> Box<dyn Kernel<Q, T>> {
@@ -46,31 +44,8 @@ fn random_graphs_enclose_the_oracle() {
     graphs::<f64>(0x5eed_0057, true);
 }
 
-/// Returns the allowed error of values. `None` if the operation's values are not compared.
-fn tolerance<T: Adversarial>(op: Op, at: [f64; 3], claim: Claim) -> Option<f64> {
-    /// Magnitude of angles, in radians, above which sines lose accuracy.
-    const FARTHEST: f64 = 8192.0;
-    // Allowed errors. Kernels guarantee no bound, but the rules stay within these. In f32 the
-    // relative error is about five times the unit roundoff. `wave` is an absolute error, for waves
-    // near their zeros.
-    let (relative, wave) = match T::FORMAT {
-        Format::F32 => (3e-7, 1e-7),
-        Format::F64 => (1e-14, 1e-15),
-    };
-    let size = claim.hi.abs().max(claim.lo.abs()).min(T::LARGEST.into());
-    let close = size * relative + 2.0 * T::nearest(0.0).next_up().into();
-    let waves =
-        matches!(op, Op::Sin | Op::Cos | Op::BesselJ0 | Op::BesselJ1 | Op::BesselJ2 | Op::BesselJ3);
-    match (op.arity(), op) {
-        (1, Op::Tan) => None,
-        (1, _) if waves && at[0].abs() > FARTHEST => None,
-        (1, _) => Some(if waves { close + wave } else { close }),
-        _ => None,
-    }
-}
-
 fn points<T: Adversarial>(seed: u64) {
-    let tally = check_points::<T>(&reference, seed, 2000, &tolerance::<T>);
+    let tally = check_points::<T>(&reference, seed, 2000, &tolerance_of_values::<T>);
     let tally = tally.unwrap_or_else(|failure| panic!("{failure}"));
     assert!(tally.defined > 100_000, "{tally:?}");
 }
