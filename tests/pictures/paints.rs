@@ -261,7 +261,7 @@ fn parameters_give_colors_and_lines() {
             [typed, same].map(|value| picture(&format!("color viridis({value}, -2, 2)\n{sheet}")));
         near(&typed, &same, sheet);
     }
-    // Each surface has its own names. They hide those of the text, but not in equations.
+    // Each surface has its own names, which hide those of the text.
     let two = |values: [&str; 2]| {
         let before = "(b/4 - 1, b, s) for b in [-2, 0], s in [-2, 0]";
         let [first, second] = values.map(|value| format!("color turbo({value}, -2, 2)"));
@@ -270,10 +270,19 @@ fn parameters_give_colors_and_lines() {
     near(&two(["s", "s"]), &two(["y", "z"]), "two surfaces");
     let sphere = "x^2+y^2+z^2 = 1";
     let [nowhere, own] =
-        ["color viridis(t)\n", ""].map(|line| picture(&format!("{line}{sphere}\n{one}")));
+        ["color viridis(b)\n", ""].map(|line| picture(&format!("{line}{sphere}\n{other}")));
     let on_sphere = |n: &usize| own.buffer.surface[*n] == 0 && own.buffer.is_drawn(*n);
     let at: Vec<usize> = (0..SIDE * SIDE).filter(on_sphere).collect();
     assert!(at.len() > 100 && at.iter().all(|n| pixel(&nowhere, *n) == pixel(&own, *n)));
+    // On an equation, names mean what the text says.
+    for definition in ["s = z", "s = 0.5 in [0, 1]"] {
+        let with = |value: &str| {
+            picture(&format!("{definition}\ncolor turbo({value}, -2, 2)\n{sphere}\n{one}"))
+        };
+        let [by_name, by_value] = [with("s"), with(definition[4..].split(' ').next().unwrap())];
+        assert!(at.iter().all(|n| pixel(&by_name, *n) == pixel(&by_value, *n)), "{definition}");
+        assert!(at.iter().any(|n| pixel(&by_name, *n) != pixel(&own, *n)), "{definition}");
+    }
     // A mesh has twelve cells along each parameter, so three in a unit of y and of z here.
     let settings = Settings { width: 3 * SIDE, height: 3 * SIDE, ..settings() };
     let [plain, lined] =

@@ -12,6 +12,7 @@ use std::collections::HashMap;
 use std::io::{self, Write};
 use zeroset_export::{Meshes, Object};
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId};
+use zeroset_mesh::Edges;
 use zeroset_render::picture::Picture;
 use zeroset_space::Region;
 use zeroset_syntax::{Document, Patch, Surface, SurfaceKind};
@@ -33,14 +34,9 @@ pub fn of_mesh(
 ) -> Value {
     let mesh = &object.mesh;
     let (surfaces, steps) = functions(document);
-    let mut edges: HashMap<[u32; 2], [u32; 2]> = HashMap::new();
-    for &[a, b, c] in &mesh.triangles {
-        for [from, to] in [[a, b], [b, c], [c, a]] {
-            edges.entry([from.min(to), from.max(to)]).or_default()[usize::from(from > to)] += 1;
-        }
-    }
+    let edges = Edges::of(&mesh.triangles);
     let [vertices, faces, edge_count] =
-        [mesh.vertices.len(), mesh.triangles.len(), edges.len()].map(|count| count as i64);
+        [mesh.vertices.len(), mesh.triangles.len(), edges.count].map(|count| count as i64);
     let is_embedded = mesh.crossings.map_or(mesh.is_proven(), |found| found.is_none());
     // Triangles without a proven area count in no pair.
     let counted = mesh.crossings.filter(|found| found.flat == 0);
@@ -55,7 +51,7 @@ pub fn of_mesh(
         "vertices": vertices,
         "triangles": faces,
         "closed": mesh.is_closed,
-        "oriented": edges.values().all(|count| count.iter().all(|count| *count <= 1)),
+        "oriented": edges.has_sides,
         "euler": vertices - edge_count + faces,
         "crossing": crossing.or_else(|| is_embedded.then_some(0)),
         "embedded": is_embedded.then_some(true),

@@ -6,6 +6,7 @@
 mod cells;
 mod connected;
 mod crossings;
+mod edges;
 mod embedding;
 mod extract;
 mod fit;
@@ -29,6 +30,7 @@ mod wall;
 use cells::{PartKernels, Query};
 pub use connected::Connected;
 pub use crossings::Crossings;
+pub use edges::Edges;
 use flat::Flat;
 use glam::DVec3;
 use leaf::{Kind, Nearness};

@@ -17,11 +17,10 @@ mod sides;
 mod triangulation;
 
 use crate::orientation::face_out;
-use crate::{Crossings, Mesh, Unproven};
+use crate::{Crossings, Edges, Mesh, Unproven};
 use cut::Cut;
 use division::{Wanted, divided};
 use glam::DVec3;
-use rustc_hash::FxHashMap;
 use sides::Sides;
 use triangulation::{Face, Triangulation};
 use zeroset_eval::Patches;
@@ -132,7 +131,7 @@ fn finished(
         a != b && b != c && c != a && [*a, *b, *c].into_iter().all(is_finite)
     };
     triangles.retain(is_proper);
-    let Edges { mut is_closed, has_sides } = Edges::of(&triangles);
+    let Edges { mut is_closed, has_sides, .. } = Edges::of(&triangles);
     if is_closed && has_sides {
         face_out(&vertices, &mut triangles, &[]);
     }
@@ -215,26 +214,12 @@ fn drop_unused(mesh: &mut Mesh) {
     mesh.vertices = kept;
 }
 
-/// The way in which triangles meet.
-struct Edges {
-    /// True if each edge belongs to two triangles.
-    is_closed: bool,
-    /// True if the two run along it in opposite directions.
-    has_sides: bool,
-}
-
-impl Edges {
-    fn of(triangles: &[[u32; 3]]) -> Self {
-        let mut counts: FxHashMap<[u32; 2], [u32; 2]> = FxHashMap::default();
-        for &[a, b, c] in triangles {
-            for [from, to] in [[a, b], [b, c], [c, a]] {
-                let count = counts.entry([from.min(to), from.max(to)]).or_default();
-                count[usize::from(from > to)] += 1;
-            }
-        }
-        Self {
-            is_closed: !counts.is_empty() && counts.values().all(|[one, other]| one + other == 2),
-            has_sides: counts.values().all(|count| count.iter().all(|count| *count <= 1)),
-        }
-    }
+/// The program of a text's parametric surfaces.
+#[cfg(test)]
+fn program(text: &str) -> zeroset_scene::program::Program {
+    let document = zeroset_syntax::read(text, &zeroset_syntax::Options::default());
+    let document = document.expect(text);
+    let whole = [zeroset_interval::Interval { lo: -1.0, hi: 1.0 }; 3];
+    let program = zeroset_scene::program::Program::new(&document, whole).expect(text);
+    program.with_patches(&document).expect(text)
 }

@@ -154,7 +154,7 @@ fn fits(tree: &PatchTree, cell: &mut Cell, fine: &Fine, distance: f64) -> bool {
     let ends = [[u[0], v[0]], [u[1], v[0]], [u[1], v[1]], [u[0], v[1]]];
     let places = fine.corners();
     let corners = [0, 1, 2, 3].map(|k| Corner { at: ends[k], place: places[k] });
-    // What bends by more need not be compared.
+    // A cell that bends by more is not compared.
     let [u, v] = fine.bends();
     let least = fine.error() + u.max(v);
     if least.is_nan() || least > distance {

@@ -109,7 +109,7 @@ impl Fine {
     /// By how much the surface bends along u and along v: about the distance of the cell's middle
     /// lines from straight ones.
     pub fn bends(&self) -> [f64; 2] {
-        // Of the line of parts from one, with steps between their numbers.
+        // The line of parts begins at number `from`, and their numbers differ by `step`.
         let bend = |from: usize, step: usize| {
             let [a, b, c, d] = [0, 1, 2, 3].map(|k| self.0[from + k * step].centre);
             (a - b - c + d).length()
@@ -186,7 +186,7 @@ fn cut(points: &[Point], axis: usize, side: f64) -> SmallVec<[Point; 8]> {
 mod tests {
     use super::*;
     use crate::parametric::PARTS;
-    use zeroset_scene::program::Program;
+    use crate::parametric::program;
 
     /// Triangles in random cells, with corners on the surface and beside it, are compared with the
     /// surface at random places.
@@ -198,11 +198,7 @@ mod tests {
             "(u, v, exp(-3 u^2) sin(4v)) for u in [-1, 2], v in [0, 1]",
             "(u v, u^2 - v, v^3 + u v) for u in [-1, 1], v in [-1, 2]",
         ] {
-            let document = zeroset_syntax::read(text, &zeroset_syntax::Options::default());
-            let document = document.expect(text);
-            let whole = [zeroset_interval::Interval { lo: -1.0, hi: 1.0 }; 3];
-            let program = Program::new(&document, whole).expect(text);
-            let program = program.with_patches(&document).expect(text);
+            let program = program(text);
             let tree = program.patch(0).expect(text).tree().expect("a kernel");
             let surface = |[u, v]: [f64; 2]| {
                 let found = tree.over(&[[[u, u], [v, v]]]);

@@ -270,7 +270,7 @@ mod tests {
     use super::*;
     use crate::parametric::cut::Cut;
     use crate::parametric::division::divided;
-    use zeroset_scene::program::Program;
+    use crate::parametric::program;
     use zeroset_space::Region;
 
     /// All triangles are compared with finer parts of the surface, at the same u and v.
@@ -282,11 +282,7 @@ mod tests {
             "(u, v, exp(-20 (u^2 + v^2))) for u in [-1.1, 1], v in [-1, 0.9]",
             "(u v, u^2 - v, v^3 + u v) for u in [-1, 1], v in [-1, 2]",
         ] {
-            let document = zeroset_syntax::read(text, &zeroset_syntax::Options::default());
-            let document = document.expect(text);
-            let whole = [zeroset_interval::Interval { lo: -1.0, hi: 1.0 }; 3];
-            let program = Program::new(&document, whole).expect(text);
-            let program = program.with_patches(&document).expect(text);
+            let program = program(text);
             let tree = program.patch(0).expect(text).tree().expect("a kernel");
             let region = Region::new(DVec3::splat(-9.0), DVec3::splat(9.0)).expect("a region");
             let (cut, goes_on) = (Cut::new(&region, 0.0, 1.0), || true);

@@ -387,7 +387,12 @@ impl<'a> Lowering<'a> {
 
     /// The value that a name stands for.
     #[inline(never)]
-    fn named(&mut self, value: &NamedValue, span: Span, locals: &Locals<'a>) -> Fallible<Tensor> {
+    pub(crate) fn named(
+        &mut self,
+        value: &NamedValue,
+        span: Span,
+        locals: &Locals<'a>,
+    ) -> Fallible<Tensor> {
         let varies = || {
             let name = value.name().to_owned();
             Error::new(span, ErrorKind::NotConstant { name })

@@ -12,7 +12,7 @@ use crate::picture::line_reader::{LineReader, bad_setting};
 use crate::picture::scene::SrgbColor;
 use rustc_hash::FxHashMap;
 use zeroset_ir::{Constant, Graph, NodeId};
-use zeroset_parser::tree::ast::Expr;
+use zeroset_parser::tree::ast::{Expr, NamedValue};
 use zeroset_parser::tree::scope::{NameMeaning, Scope};
 use zeroset_parser::{ErrorKind, Fallible, Limits, Span};
 
@@ -106,21 +106,44 @@ impl<'a> PointValues<'a> {
     }
 
     /// Lowers the expression of a value to a separate graph. Names of parameters mean those of the
-    /// parametric surface with the number `patch`. If it has no such name, they mean those of the
-    /// first one that has it.
+    /// parametric surface with the number `patch`.
     pub fn value(&self, expr: &'a Expr, patch: Option<usize>) -> Fallible<PointValue> {
         let mut lowering = Lowering::new(self.names.clone(), self.time, self.limits);
-        let own = patch.map(|patch| &self.patches[patch]);
-        let mut locals = Vec::new();
-        // The last one that has a name counts.
-        for names in self.patches.iter().rev().chain(own) {
-            for (number, name) in (self.first + POINT_NAMES.len() as u32..).zip(names) {
-                locals.push((*name, Tensor::Number(lowering.graph.parameter(number))));
-            }
-        }
-        let root = lowering.complete(|all| all.number(expr, &locals))?;
+        let root = lowering.complete(|all| {
+            let locals = self.parameters(all, patch, expr.span)?;
+            all.number(expr, &locals)
+        })?;
         let root = lowering.in_place(root, expr.span)?;
         Ok(PointValue { graph: lowering.graph, root, echo: expr.to_string() })
+    }
+
+    /// The meanings of names of parameters. Where a surface has no such parameter, the name means
+    /// what it means in the text, or else the parameter of the first surface that has it.
+    fn parameters(
+        &self,
+        lowering: &mut Lowering<'a>,
+        patch: Option<usize>,
+        span: Span,
+    ) -> Fallible<Vec<(&'a str, Tensor)>> {
+        let own = patch.map(|patch| &self.patches[patch]);
+        let mut all = Vec::new();
+        // Of equal names, the last one counts.
+        for names in self.patches.iter().rev().chain(own) {
+            for (number, name) in (self.first + POINT_NAMES.len() as u32..).zip(names) {
+                let is_own = own.is_some_and(|own| own.contains(name));
+                let typed = match *name {
+                    "t" => Some(NamedValue::Time),
+                    name if self.names.contains_key(name) => Some(NamedValue::Defined(name.into())),
+                    _ => None,
+                };
+                let value = match typed.filter(|_| !is_own) {
+                    Some(typed) => lowering.named(&typed, span, &[])?,
+                    None => Tensor::Number(lowering.graph.parameter(number)),
+                };
+                all.push((*name, value));
+            }
+        }
+        Ok(all)
     }
 
     /// Lowers a surface's color, which may hold an expression: see [`PointValues::value`].

@@ -12,7 +12,8 @@ pub(super) struct OpGraph {
 }
 
 impl OpGraph {
-    /// Whether all constants are within the range of `T`. If not, sampled values mean nothing.
+    /// Returns whether all constants are within the range of `T`. If not, sampled values mean
+    /// nothing.
     pub(super) fn fits<T: Real>(&self) -> bool {
         self.graph.iter().all(|(_, node)| match node {
             Node::Constant(value) => value.bounds().magnitude() <= T::LARGEST.into(),

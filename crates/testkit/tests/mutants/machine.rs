@@ -167,6 +167,25 @@ impl Perturbed {
         }
     }
 
+    /// What a fused operation gives by a change. It adds the opposite of `opposite` to a·b.
+    fn wrong_fused(
+        &self,
+        change: Change,
+        right: Vector128,
+        [a, b, c]: [Vector128; 3],
+        opposite: Vector128,
+    ) -> Vector128 {
+        let mut software = self.software;
+        match change {
+            RoundsDown => software.mul_add(a.negated(), b, opposite).negated(),
+            Opposite => software.mul_add(a, b, opposite),
+            First => software.mul(a, b),
+            Second => c,
+            Neighbour => lower(right),
+            Exchanged => right,
+        }
+    }
+
     fn compare(&self, right: Vector128, wrong: Vector128) -> Vector128 {
         if let Mode::Wrong(_, differs) = &self.plan.mode
             && !is_equal(right, wrong)
@@ -374,17 +393,7 @@ impl Machine for Perturbed {
         let right = self.software.mul_add(a, b, c);
         let Some(change) = self.change("mul_add", Location::caller()) else { return right };
         let opposite = self.software.neg(c);
-        let wrong = match change {
-            RoundsDown => {
-                let a = self.software.neg(a);
-                self.software.mul_add(a, b, opposite).negated()
-            }
-            Opposite => self.software.mul_add(a, b, opposite),
-            First => self.software.mul(a, b),
-            Second => c,
-            Neighbour => lower(right),
-            Exchanged => right,
-        };
+        let wrong = self.wrong_fused(change, right, [a, b, c], opposite);
         self.compare(right, wrong)
     }
 
@@ -392,17 +401,7 @@ impl Machine for Perturbed {
     fn mul_sub(&mut self, a: Vector128, b: Vector128, c: Vector128) -> Vector128 {
         let right = self.software.mul_sub(a, b, c);
         let Some(change) = self.change("mul_sub", Location::caller()) else { return right };
-        let wrong = match change {
-            RoundsDown => {
-                let a = self.software.neg(a);
-                self.software.mul_add(a, b, c).negated()
-            }
-            Opposite => self.software.mul_add(a, b, c),
-            First => self.software.mul(a, b),
-            Second => c,
-            Neighbour => lower(right),
-            Exchanged => right,
-        };
+        let wrong = self.wrong_fused(change, right, [a, b, c], c);
         self.compare(right, wrong)
     }
 
