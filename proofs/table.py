@@ -66,6 +66,12 @@ def table(written):
             "solver",
             listed(outward & rounding),
         ),
+        (
+            "rewritings of the simplifier",
+            len(stems(written / "rewritings", "smt2")),
+            "solver",
+            "texts of its tests, for all coordinates and parameters",
+        ),
         ("thresholds of steps left out", len(thresholds), "solver", "[parts](parts.md)"),
     ]
     text = ["| rules and constants | number | checked by | which |", "|---|---|---|---|"]

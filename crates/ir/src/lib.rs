@@ -32,6 +32,8 @@ mod univariate;
 mod variability;
 
 #[cfg(test)]
+mod proofs;
+#[cfg(test)]
 mod testing;
 #[cfg(test)]
 mod towers;
