@@ -2,8 +2,8 @@
 //! graph after have the same value, and are defined at the same points.
 //!
 //! Each node becomes a real and a condition under which it is defined. The value of a function is
-//! some number, of which the table's facts are known: values, parity, range, and that equal
-//! operands have equal values.
+//! some number. Known of it are range, and the table's values, parity and inverses, which are not
+//! proven here. Calls with equal operands have equal values.
 
 use crate::testing::TestGraphBuilder;
 use crate::{Constant, Graph, NamedConstant, Node, NodeId, Variability, display, variabilities};
@@ -85,11 +85,9 @@ impl Problem {
         self.line(&format!("(declare-const {name} Real) ; {op:?}"));
         let row = op.row();
         let a = operands[0].clone();
-        for (at, value) in row.values {
-            self.line(
-                &format!("(assert (=> (= {a} {at}.0) (= {name} {value}.0)))")
-                    .replace("-1.0", "(- 1.0)"),
-            );
+        for pair in row.values {
+            let (at, value) = (float(pair.0.into()), float(pair.1.into()));
+            self.line(&format!("(assert (=> (= {a} {at}) (= {name} {value})))"));
         }
         match op {
             Op::Sqrt => {
@@ -213,40 +211,46 @@ impl Problem {
             }
             Op::Otherwise => return Ok((format!("(ite {a}d {a} {b})"), format!("(or {a}d {b}d)"))),
             Op::WhereNonneg | Op::WherePositive | Op::WhereNonzero | Op::WhereDefined => a.clone(),
-            Op::Pow => {
-                let (exponent, rank) = exponent.ok_or("a power without exponent")?;
-                if let Some(exact) = exponent.as_ref().and_then(Constant::exact) {
-                    let twice = exact * BigRational::from_integer(2.into());
-                    let n = twice.is_integer().then(|| twice.to_integer().to_i64()).flatten();
-                    let n = n.filter(|n| n.abs() <= 48).ok_or("an exponent that is no half")?;
-                    let (base, count) = if n % 2 == 0 {
-                        (a.clone(), n / 2)
-                    } else {
-                        (self.call(Op::Sqrt, &at[..1]), n)
-                    };
-                    let product = match count.unsigned_abs() {
-                        0 => "1.0".to_owned(),
-                        1 => base.clone(),
-                        count => format!("(*{})", format!(" {base}").repeat(count as usize)),
-                    };
-                    let value = if count < 0 { format!("(/ 1.0 {product})") } else { product };
-                    let inside = match (n % 2 == 0, n < 0) {
-                        (true, false) => "true".to_owned(),
-                        (true, true) => format!("(not (= {a} 0.0))"),
-                        (false, false) => format!("(<= 0.0 {a})"),
-                        (false, true) => format!("(< 0.0 {a})"),
-                    };
-                    return Ok((value, format!("(and {all} {inside})")));
-                }
-                if rank == Variability::Constant {
-                    return Err("an exponent that is computed".to_owned());
-                }
-                let inside = format!("(or (< 0.0 {a}) (and (= {a} 0.0) (< 0.0 {b})))");
-                return Ok((self.call(op, at), format!("(and {all} {inside})")));
-            }
+            Op::Pow => return self.power(at, &all, exponent.expect("two operands")),
             _ => self.call(op, at),
         };
         let inside = condition(op.row().domain, at).ok_or_else(|| format!("{op:?}"))?;
+        Ok((value, format!("(and {all} {inside})")))
+    }
+
+    /// The value of a power, and where it is defined. All operands must be, as `all` states.
+    fn power(
+        &mut self,
+        at: &[String],
+        all: &str,
+        (exponent, rank): (Option<Constant>, Variability),
+    ) -> Result<(String, String), String> {
+        let a = &at[0];
+        let Some(exact) = exponent.as_ref().and_then(Constant::exact) else {
+            if rank == Variability::Constant {
+                return Err("an exponent that is computed".to_owned());
+            }
+            let inside = format!("(or (< 0.0 {a}) (and (= {a} 0.0) (< 0.0 {})))", at[1]);
+            return Ok((self.call(Op::Pow, at), format!("(and {all} {inside})")));
+        };
+        let twice = exact * BigRational::from_integer(2.into());
+        let n = twice.is_integer().then(|| twice.to_integer().to_i64()).flatten();
+        let n = n.filter(|n| n.abs() <= 48).ok_or("an exponent that is no half")?;
+        let is_whole = n % 2 == 0;
+        let (base, count) =
+            if is_whole { (a.clone(), n / 2) } else { (self.call(Op::Sqrt, &at[..1]), n) };
+        let product = match count.unsigned_abs() {
+            0 => "1.0".to_owned(),
+            1 => base,
+            count => format!("(*{})", format!(" {base}").repeat(count as usize)),
+        };
+        let value = if count < 0 { format!("(/ 1.0 {product})") } else { product };
+        let inside = match (is_whole, n < 0) {
+            (true, false) => "true".to_owned(),
+            (true, true) => format!("(not (= {a} 0.0))"),
+            (false, false) => format!("(<= 0.0 {a})"),
+            (false, true) => format!("(< 0.0 {a})"),
+        };
         Ok((value, format!("(and {all} {inside})")))
     }
 }
@@ -277,10 +281,10 @@ fn condition(domain: Domain, at: &[String]) -> Option<String> {
 fn agreement(
     before: (&Graph, NodeId),
     after: (&Graph, NodeId),
-    [coordinate, parameters]: [&[Interval]; 2],
+    [coordinates, parameters]: [&[Interval]; 2],
 ) -> Result<String, String> {
     let mut problem = Problem::default();
-    for (name, range) in ["x", "y", "z"].iter().zip(coordinate) {
+    for (name, range) in ["x", "y", "z"].iter().zip(coordinates) {
         problem.input(name, *range);
     }
     for (k, range) in parameters.iter().enumerate() {
@@ -331,6 +335,9 @@ fn proofs_of_wrong_rewritings() {
         (x.apply(Op::Min, &[y]), x),
     ] {
         let graph = builder.graph();
-        write("wrong-rewritings", (&graph, before.id), (&graph, after.id), [&[range; 3], &[]]);
+        let ranges: [&[Interval]; 2] = [&[range; 3], &[]];
+        let stated = agreement((&graph, before.id), (&graph, after.id), ranges);
+        assert!(stated.is_ok(), "{stated:?}");
+        write("wrong-rewritings", (&graph, before.id), (&graph, after.id), ranges);
     }
 }

@@ -1,4 +1,4 @@
-//! How triangles meet in edges.
+//! The edges in which triangles meet.
 
 use rustc_hash::FxHashMap;
 

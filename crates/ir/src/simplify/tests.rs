@@ -16,11 +16,10 @@ fn simple(
     let root = formula(&builder, builder.xyz()).id;
     let graph = builder.graph();
     let parameters = [DOMAIN, Interval { lo: 1.0, hi: 2.0 }];
-    let before = graph.clone();
-    let (graph, roots) = rewrite(&graph, &[root], &[DOMAIN; 3], &parameters).expect("small");
+    let (simple, roots) = rewrite(&graph, &[root], &[DOMAIN; 3], &parameters).expect("small");
     let ranges: [&[Interval]; 2] = [&[DOMAIN; 3], &parameters];
-    crate::proofs::write("rewritings", (&before, root), (&graph, roots[0]), ranges);
-    display(&graph, roots[0], &["a", "b"])
+    crate::proofs::write("rewritings", (&graph, root), (&simple, roots[0]), ranges);
+    display(&simple, roots[0], &["a", "b"])
 }
 
 #[test]

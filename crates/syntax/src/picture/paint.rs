@@ -127,7 +127,7 @@ impl<'a> PointValues<'a> {
     ) -> Fallible<Vec<(&'a str, Tensor)>> {
         let own = patch.map(|patch| &self.patches[patch]);
         let mut all = Vec::new();
-        // Of equal names, the last one counts.
+        // The last of equal names counts.
         for names in self.patches.iter().rev().chain(own) {
             for (number, name) in (self.first + POINT_NAMES.len() as u32..).zip(names) {
                 let is_own = own.is_some_and(|own| own.contains(name));

@@ -167,7 +167,7 @@ impl Perturbed {
         }
     }
 
-    /// What a fused operation gives by a change. It adds the opposite of `opposite` to a·b.
+    /// The result of a fused operation with a change. Without one, it is a·b minus `opposite`.
     fn wrong_fused(
         &self,
         change: Change,
